@@ -1,0 +1,72 @@
+"""A system with some of its parameters or functions replaced by expressions, exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from obscli.model.expression import Expression, Symbol, TimeDerivative, is_zero, substitute
+from obscli.model.system import Covector, Function, Invariant, Matrix, System
+
+
+class Specialisation:
+    """Replaces parameters and functions of a system, and gives functions a rule f' = F.
+
+    Parameters
+    ----------
+    system : the system whose names are used
+    values : expression by name of parameter or function; the name is free no more
+    rules : functions that are to satisfy f' = rule from now on
+    """
+
+    def __init__(
+        self,
+        system: System,
+        values: Mapping[str, Expression],
+        rules: Mapping[str, Expression] | None = None,
+    ) -> None:
+        self._system = system
+        self._rules = {f.name: f.derivative for f in system.functions if f.derivative is not None}
+        self._rules.update(rules or {})
+        free = frozenset(f.name for f in system.functions) - self._rules.keys()
+        self._derive = TimeDerivative(system.time, self._rules, free)
+        new = rules or {}
+        self._values = {**values, **{name: Symbol(name) for name in new if name not in values}}
+        self._gone = frozenset(values)
+
+    def expression(self, expression: Expression) -> Expression:
+        """Return the expression with the replacements made."""
+        return substitute(expression, self._values, self._derive)
+
+    def covector(self, covector: Covector) -> Covector:
+        """Return a linear form with the replacements made."""
+        return {state: self.expression(entry) for state, entry in covector.items()}
+
+    def system(self) -> System:
+        """Return the specialised system."""
+        system = self._system
+        return replace(
+            system,
+            parameters=tuple(p for p in system.parameters if p.name not in self._gone),
+            functions=tuple(self._function(f) for f in system.functions if f.name not in self._gone),
+            invariants=tuple(Invariant(self.expression(i.expression), i.place) for i in system.invariants),
+            A=_matrix(system.A, self.expression),
+            H=_matrix(system.H, self.expression),
+            quantities=tuple(
+                replace(q, coefficients=self.covector(q.coefficients)) for q in system.quantities
+            ),
+        )
+
+    def _function(self, function: Function) -> Function:
+        rule = self._rules.get(function.name)
+        return replace(function, derivative=None if rule is None else self.expression(rule))
+
+
+def at_nominal(system: System) -> Specialisation:
+    """Replace every parameter that has a nominal value by it, exactly."""
+    return Specialisation(system, {p.name: p.nominal for p in system.parameters if p.nominal is not None})
+
+
+def _matrix(matrix: Matrix, exchange: Callable[[Expression], Expression]) -> Matrix:
+    entries = {place: exchange(entry) for place, entry in matrix.entries.items()}
+    return replace(matrix, entries={place: entry for place, entry in entries.items() if not is_zero(entry)})

@@ -1,0 +1,190 @@
+"""What a model file means: frozen, typed, names resolved, every value remembering its place.
+
+Notation: x (n,) states, y (m,) outputs, A (n, n), H (m, n), B (n, p), G (n, q); x' = A x + B u + G w,
+y = H x + v. One ``System`` is one stage of a ``Model`` with all its replacements made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from obscli.core.place import Place
+from obscli.model.expression import Expression
+
+
+if TYPE_CHECKING:
+    from obscli.model.scope import Scope
+
+
+Assumption: TypeAlias = Literal["real", "positive", "nonzero"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Parameter:
+    """A free constant; ``nominal`` is its value in the file (a constant expression) or None."""
+
+    name: str
+    place: Place
+    nominal: Expression | None = None
+    assume: Assumption = "real"
+    unit: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Function:
+    """A smooth function of time, scalar; ``derivative`` is its rule, None where it is arbitrary."""
+
+    name: str
+    place: Place
+    derivative: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Invariant:
+    """A relation ``expression = 0`` that the functions satisfy at all times."""
+
+    expression: Expression
+    place: Place
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """One scalar state; ``vector`` is the name it was declared under (``psi`` for ``psi1``)."""
+
+    name: str
+    place: Place
+    vector: str = ""
+    unit: str = ""
+    description: str = ""
+    latex: str = ""
+    scale: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Output:
+    """One scalar output; ``vector`` is the name it was declared under (``y`` for ``y1``)."""
+
+    name: str
+    place: Place
+    vector: str = ""
+    unit: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Matrix:
+    """A sparse matrix of expressions: absent entries are zero; places where the file gives them."""
+
+    rows: int
+    columns: int
+    entries: Mapping[tuple[int, int], Expression]
+    places: Mapping[tuple[int, int], Place] = field(default_factory=dict)
+
+
+#: A linear form in the states: state name → coefficient (absent: zero).
+Covector: TypeAlias = Mapping[str, Expression]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Quantity:
+    """A named linear combination of interest, or a combination someone asserts something about."""
+
+    name: str
+    coefficients: Covector
+    place: Place
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Claim:
+    """One entry of ``claims`` or ``expect``: what is asserted of a stage, at generic values or ``at`` some.
+
+    ``at`` is None for generic values, "nominal" for the file's, else parameter name → exact value.
+    ``other`` keeps fields that later commands check (measures, ``determined``, ``detectable``, …) as text.
+    """
+
+    origin: Literal["claims", "expect"]
+    place: Place
+    stage: str | None = None
+    experiment: str | None = None
+    at: Mapping[str, Expression] | Literal["nominal"] | None = None
+    rank: int | None = None
+    rank_place: Place | None = None
+    basis: tuple[Quantity, ...] | None = None
+    observable: tuple[Quantity, ...] = ()
+    unobservable: tuple[Quantity, ...] = ()
+    directions: tuple[Quantity, ...] = ()
+    states: Mapping[str, tuple[str, Place]] = field(default_factory=dict)
+    other: Mapping[str, tuple[str, Place]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plain:
+    """A validated part of the file kept as it stands for later commands: mapping, list or scalar text."""
+
+    value: Mapping[str, Plain] | tuple[Plain, ...] | str | None
+    place: Place
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class System:
+    """One stage: x' = A x, y = H x with everything replaced, ready for an interpreter.
+
+    ``scope`` holds what the names of the file stand for in this stage, for expressions given later
+    (claims, the command line); None for a system not made from a file.
+    """
+
+    stage: str | None
+    time: str
+    parameters: tuple[Parameter, ...]
+    functions: tuple[Function, ...]
+    invariants: tuple[Invariant, ...]
+    states: tuple[State, ...]
+    outputs: tuple[Output, ...]
+    A: Matrix
+    H: Matrix
+    B: Matrix | None = None
+    G: Matrix | None = None
+    inputs: tuple[str, ...] = ()
+    disturbances: tuple[str, ...] = ()
+    quantities: tuple[Quantity, ...] = ()
+    claims: tuple[Claim, ...] = ()
+    noise: Plain | None = None
+    interval: Plain | None = None
+    scope: Scope | None = None
+
+    @property
+    def n(self) -> int:
+        """The number of states."""
+        return len(self.states)
+
+    @property
+    def m(self) -> int:
+        """The number of outputs."""
+        return len(self.outputs)
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """The names of the states, in order."""
+        return tuple(state.name for state in self.states)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """One file: identification and its systems (stages; the base system first where complete alone).
+
+    ``claims`` are those about an ``experiment``; those about a stage stand with its system.
+    """
+
+    name: str
+    file: Path
+    systems: tuple[System, ...]
+    title: str = ""
+    description: str = ""
+    source: str = ""
+    experiment: Plain | None = None
+    require: Plain | None = None
+    claims: tuple[Claim, ...] = ()
