@@ -1,0 +1,254 @@
+"""Sines, cosines and exponentials of rationally dependent arguments, reduced to independent ones.
+
+An argument θ = Σ q_i a_i splits into atoms a_i (monomials over a denominator) with rational q_i. Each
+atom has one base angle b_i = s_i a_i with all q_i/s_i integers, and one generator τ_i = tan(b_i/2):
+
+    cos b = (1 - τ²)/(1 + τ²),   sin b = 2τ/(1 + τ²),   cos kb + i sin kb = (cos b + i sin b)^k.
+
+Exponentials likewise: exp(u) = Π exp(s_i a_i)^(q_i/s_i). By Ax's theorem these generators are
+algebraically independent of each other and of the field below, since the b_i are linearly independent
+over Q modulo constants; where that fails in secret (two rational functions of time that add up to a
+constant) the certificate of the rank, which uses real values, fails too, and the answer is undecided.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import gcd, lcm
+from typing import TYPE_CHECKING, TypeAlias
+
+from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.field import Element, Generator
+from obscli.exact.missing import MissingError, RefineError
+from obscli.model.expression import Apply, Expression, Number, divide, multiply, number
+
+
+if TYPE_CHECKING:
+    from flint import fmpz_mpoly as Polynomial
+
+    from obscli.exact.interpreter import Interpreter
+
+#: A multiple of a base angle beyond this is taken as an angle of its own (kept apart, hence only generic).
+LARGEST_MULTIPLE = 24
+
+CosSin: TypeAlias = tuple[Element, Element]
+
+
+def trigonometric(it: Interpreter, function: str, argument: Element) -> Element:
+    """Return sin, cos or tan of an element."""
+    cosine, sine = cosine_sine(it, argument)
+    if function == "cos":
+        return cosine
+    if function == "sin":
+        return sine
+    if not cosine:
+        raise UndefinedError
+    return sine / cosine
+
+
+def cosine_sine(it: Interpreter, argument: Element) -> CosSin:
+    """Return (cos, sin) of an element, by the addition theorem over its atoms."""
+    total: CosSin = (it.field.one, it.field.zero)
+    for coefficient, atom, element in split(it, argument):
+        total = _rotate(total, _atom_cosine_sine(it, coefficient, atom, element))
+    return total
+
+
+def exponential(it: Interpreter, argument: Element) -> Element:
+    """Return exp of an element; exp(q log u) is u^q."""
+    result = it.field.one
+    for coefficient, atom, element in split(it, argument):
+        generator = _single_generator(it, element)
+        if generator is not None and generator.function == "log" and generator.argument is not None:
+            result = result * _power(it, it.read(generator.argument), coefficient)
+            continue
+        step, multiple = _step(it, f"exp {atom}", coefficient)
+        result = result * _base_exponential(it, element, step) ** multiple
+    return result
+
+
+def hyperbolic(it: Interpreter, function: str, argument: Element) -> Element:
+    """Return sinh, cosh or tanh of an element through exp."""
+    up = exponential(it, argument)
+    down = it.field.one / up
+    half = it.field.rational(Fraction(1, 2))
+    if function == "sinh":
+        return (up - down) * half
+    if function == "cosh":
+        return (up + down) * half
+    return (up - down) / (up + down)
+
+
+def split(it: Interpreter, argument: Element) -> list[tuple[Fraction, str, Element]]:
+    """Split an element into rational multiples of atoms: (coefficient, name of the atom, atom)."""
+    denominator = argument.den
+    content = int(_content(denominator))
+    primitive = denominator / content
+    parts = []
+    for exponents, coefficient in argument.num.terms():
+        monomial = it.field.ctx.from_dict({exponents: 1})
+        atom = it.field.fraction(monomial, primitive)
+        parts.append((Fraction(int(coefficient), content), _atom_name(it, monomial, primitive), atom))
+    return parts
+
+
+def _content(polynomial: Polynomial) -> int:
+    return gcd(*(int(c) for c in polynomial.coeffs()))
+
+
+def _atom_name(it: Interpreter, monomial: Polynomial, denominator: Polynomial) -> str:
+    """Name an atom by its generators, so that the name survives when the field is built again."""
+    return f"{_text(it, monomial)}/{_text(it, denominator)}"
+
+
+def _text(it: Interpreter, polynomial: Polynomial) -> str:
+    names = [generator.name for generator in it.field.generators]
+    terms = [
+        f"{coefficient}" + "".join(f"*{names[k]}^{e}" for k, e in enumerate(exponents) if e)
+        for exponents, coefficient in polynomial.terms()
+    ]
+    return "+".join(sorted(terms))
+
+
+def _step(it: Interpreter, atom: str, coefficient: Fraction) -> tuple[Fraction, int]:
+    """Return the step of an atom and the integer multiple that the coefficient is of it."""
+    step = it.fineness.get(atom)
+    if step is None:
+        step = it.fineness[atom] = abs(coefficient)
+    multiple = coefficient / step
+    if multiple.denominator == 1 and abs(multiple) <= LARGEST_MULTIPLE:
+        return step, multiple.numerator
+    finer = _rational_gcd(step, coefficient)
+    if max(abs(coefficient), step) / finer <= LARGEST_MULTIPLE:
+        raise RefineError(atom, finer)
+    return abs(coefficient), 1 if coefficient > 0 else -1
+
+
+def _rational_gcd(a: Fraction, b: Fraction) -> Fraction:
+    return Fraction(gcd(a.numerator, b.numerator), lcm(a.denominator, b.denominator))
+
+
+def _rotate(a: CosSin, b: CosSin) -> CosSin:
+    return a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]
+
+
+def _multiple(it: Interpreter, base: CosSin, k: int) -> CosSin:
+    """Return (cos kb, sin kb) from (cos b, sin b)."""
+    if k < 0:
+        base, k = (base[0], -base[1]), -k
+    result: CosSin = (it.field.one, it.field.zero)
+    for _ in range(k):
+        result = _rotate(result, base)
+    return result
+
+
+def _atom_cosine_sine(it: Interpreter, coefficient: Fraction, atom: str, element: Element) -> CosSin:
+    generator = _single_generator(it, element)
+    if generator is not None and generator.kind == "pi":
+        exact = _rational_turn(it, coefficient)
+        if exact is not None:
+            return exact
+    if generator is not None and generator.function == "atan" and (coefficient / 2).denominator == 1:
+        assert generator.argument is not None
+        return _multiple(it, _from_tangent(it, it.read(generator.argument)), (coefficient / 2).numerator)
+    if generator is not None and generator.function in {"asin", "atan"} and coefficient.denominator == 1:
+        return _multiple(it, _of_inverse(it, generator), coefficient.numerator)
+    step, multiple = _step(it, atom, coefficient)
+    return _multiple(it, _base_angle(it, element, step), multiple)
+
+
+def _single_generator(it: Interpreter, element: Element) -> Generator | None:
+    """Return the generator that an element is, if it is one."""
+    if element.den != 1:
+        return None
+    for k, gen in enumerate(it.field.ctx.gens()):
+        if element.num == gen and k < len(it.field.generators):
+            return it.field.generators[k]
+    return None
+
+
+def _base_angle(it: Interpreter, element: Element, step: Fraction) -> CosSin:
+    field = it.field
+    name = f"tan({step}*{_atom_name(it, element.num, element.den)}/2)"
+    if name not in field.index:
+        argument = _scaled(it, element, step)
+        meaning = Apply("tan", multiply(number(Fraction(1, 2)), argument))
+        numeric = it.is_numeric(element)
+        raise MissingError(Generator(name, "angle", meaning, argument=argument, numeric=numeric))
+    return _from_tangent(it, field.generator(name))
+
+
+def _from_tangent(it: Interpreter, tangent: Element) -> CosSin:
+    """cos, sin of an angle by the tangent of its half: (1 - τ²)/(1 + τ²), 2τ/(1 + τ²)."""
+    one = it.field.one
+    square = tangent * tangent
+    return (one - square) / (one + square), (tangent + tangent) / (one + square)
+
+
+def _base_exponential(it: Interpreter, element: Element, step: Fraction) -> Element:
+    name = f"exp({step}*{_atom_name(it, element.num, element.den)})"
+    if name not in it.field.index:
+        numeric = it.is_numeric(element)
+        argument = _scaled(it, element, step)
+        meaning = Apply("exp", argument)
+        raise MissingError(
+            Generator(name, "exponential", meaning, argument=argument, positive=True, numeric=numeric)
+        )
+    return it.field.generator(name)
+
+
+def _scaled(it: Interpreter, element: Element, step: Fraction) -> Expression:
+    return divide(multiply(Number(step), it.expression(element.num)), it.expression(element.den))
+
+
+def _of_inverse(it: Interpreter, generator: Generator) -> CosSin:
+    """cos, sin of asin(u): (√(1-u²), u); of atan(u): (1, u)/√(1+u²)."""
+    assert generator.argument is not None
+    u = it.read(generator.argument)
+    one = it.field.one
+    if generator.function == "asin":
+        return _power(it, one - u * u, Fraction(1, 2)), u
+    cosine = one / _power(it, one + u * u, Fraction(1, 2))
+    return cosine, u * cosine
+
+
+def _power(it: Interpreter, base: Element, exponent: Fraction) -> Element:
+    if exponent.denominator == 1:
+        return base**exponent.numerator
+    from obscli.exact.roots import rational_power  # noqa: PLC0415  (roots and angles call each other)
+
+    return rational_power(it, base, exponent)
+
+
+def _rational_turn(it: Interpreter, turn: Fraction) -> CosSin | None:
+    """(cos, sin) of a rational multiple of π, in square roots where its denominator divides 12."""
+    if 12 % turn.denominator:
+        return None
+    field = it.field
+    zero, half, one = field.zero, field.rational(Fraction(1, 2)), field.one
+    sixths = {0: (one, zero), 90: (zero, one)}
+    degrees = int(turn * 180) % 360
+    quarter, rest = divmod(degrees, 90)
+    if rest not in sixths:
+        root3 = _power(it, field.rational(3), Fraction(1, 2)) if rest != 45 else one
+        root2 = _power(it, field.rational(2), Fraction(1, 2)) if rest in {15, 45, 75} else one
+        quarter_root2 = root2 * field.rational(Fraction(1, 4))
+        small, large = quarter_root2 * (root3 - one), quarter_root2 * (root3 + one)
+        sixths |= {
+            30: (root3 * half, half),
+            60: (half, root3 * half),
+            45: (root2 * half, root2 * half),
+            15: (large, small),
+            75: (small, large),
+        }
+    cosine, sine = sixths[rest]
+    for _ in range(quarter):
+        cosine, sine = -sine, cosine
+    return cosine, sine
+
+
+def undecided_sign(what: str) -> UndecidedError:
+    """Return the error for a root whose sign is not known."""
+    return UndecidedError(
+        f"the sign of {what} is not known, so its root is not determined; give `assume: positive` where it holds"
+    )

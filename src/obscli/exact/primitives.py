@@ -1,0 +1,152 @@
+"""Logarithms and inverse functions as generators with their derivative rule.
+
+log(u): u is written over its irreducible factors; if a product of powers of earlier arguments equals it,
+log u is that combination (log(ab) = log a + log b), otherwise it is adjoined. asinh, acosh and atanh are
+logarithms; acos u = π/2 - asin u; atan and asin are adjoined, atan(1/u) and atan(-u) referred to atan(u).
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from flint import fmpq_mat, fmpq
+
+from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.field import Element, Generator
+from obscli.exact.missing import MissingError
+from obscli.exact.roots import _factors, _stable, rational_power
+from obscli.model.expression import Apply, Expression, divide, number
+
+
+if TYPE_CHECKING:
+    from obscli.exact.interpreter import Interpreter
+
+_HALF = Fraction(1, 2)
+
+
+def primitive(it: Interpreter, function: str, argument: Element) -> Element:
+    """Return log or an inverse function of an element."""
+    field = it.field
+    match function:
+        case "log":
+            return _logarithm(it, argument)
+        case "asinh":
+            return _asinh(it, argument)
+        case "acosh":
+            return _logarithm(it, argument + rational_power(it, argument * argument - field.one, _HALF))
+        case "atanh":
+            half = field.rational(_HALF)
+            return half * _logarithm(it, (field.one + argument) / (field.one - argument))
+        case "acos":
+            return it.constant_pi() * field.rational(_HALF) - _inverse(it, "asin", argument)
+        case "asin" | "atan":
+            return _inverse(it, function, argument)
+    raise UndecidedError(f"the function {function} is not known to the exact side")
+
+
+def _asinh(it: Interpreter, argument: Element) -> Element:
+    if argument and argument.num.leading_coefficient() < 0:
+        return -_asinh(it, -argument)
+    root = rational_power(it, it.field.one + argument * argument, _HALF)
+    return _logarithm(it, argument + root)
+
+
+def _logarithm(it: Interpreter, argument: Element) -> Element:
+    field = it.field
+    if not argument:
+        raise UndefinedError
+    result, rest = field.zero, field.one
+    for factor, exponent in _factors(argument):
+        element = Element(field, factor, field.one_polynomial)
+        generator = _exponential_generator(it, factor)
+        if generator is not None:
+            assert generator.argument is not None
+            result = result + field.rational(exponent) * it.read(generator.argument)
+        elif factor != -1:
+            rest = rest * element**exponent
+    return result + _combination_of_logarithms(it, rest) if rest != field.one else result
+
+
+def _exponential_generator(it: Interpreter, factor: object) -> Generator | None:
+    for k, generator in enumerate(it.field.generators):
+        if generator.kind == "exponential" and factor == it.field.ctx.gen(k):
+            return generator
+    return None
+
+
+def _combination_of_logarithms(it: Interpreter, argument: Element) -> Element:
+    """Return log(argument) as a rational combination of known logarithms, or ask for a new one."""
+    field = it.field
+    known = [g for g in field.generators if g.function == "log"]
+    vectors = [_exponents(it.read(g.argument)) for g in known if g.argument is not None]
+    target = _exponents(argument)
+    coefficients = _solve(vectors, target)
+    if coefficients is None:
+        return _adjoin(it, "log", argument, divide(number(1), it.element_expression(argument)))
+    total = field.zero
+    for generator, coefficient in zip(known, coefficients, strict=True):
+        total = total + field.rational(coefficient) * field.generator(generator.name)
+    return total
+
+
+def _exponents(element: Element) -> dict[str, int]:
+    return {str(factor): exponent for factor, exponent in _factors(element) if factor != -1}
+
+
+def _solve(vectors: list[dict[str, int]], target: dict[str, int]) -> list[Fraction] | None:
+    """Solve Σ c_k vectors_k = target over Q; None where there is no solution."""
+    keys = sorted({key for vector in [*vectors, target] for key in vector})
+    columns = [*vectors, target]
+    matrix = fmpq_mat(len(keys), len(columns), [v.get(key, 0) for key in keys for v in columns])
+    reduced, rank = matrix.rref()
+    solution = [Fraction(0)] * len(vectors)
+    for row in range(rank):
+        pivot = next(k for k in range(len(columns)) if reduced[row, k] != 0)
+        if pivot == len(vectors):
+            return None
+        value: fmpq = reduced[row, len(vectors)]
+        solution[pivot] = Fraction(int(value.p), int(value.q))
+    return solution
+
+
+def _inverse(it: Interpreter, function: str, argument: Element) -> Element:
+    """Return asin or atan; odd, so that the leading sign comes out."""
+    field = it.field
+    if not argument:
+        return field.zero
+    if argument.num.leading_coefficient() < 0:
+        return -_inverse(it, function, -argument)
+    exact = _known_angle(it, function, argument)
+    if exact is not None:
+        return exact
+    square = argument * argument
+    if function == "atan":
+        rule = field.one / (field.one + square)
+    else:
+        rule = field.one / rational_power(it, field.one - square, _HALF)
+    return _adjoin(it, function, argument, it.element_expression(rule))
+
+
+def _known_angle(it: Interpreter, function: str, argument: Element) -> Element | None:
+    """atan 1 = π/4, asin 1 = π/2, asin 1/2 = π/6; atan of a half-angle tangent is the half angle."""
+    field = it.field
+    turns = {("atan", 1): Fraction(1, 4), ("asin", 1): Fraction(1, 2), ("asin", _HALF): Fraction(1, 6)}
+    for (name, value), turn in turns.items():
+        if name == function and argument == field.rational(Fraction(value)):
+            return it.constant_pi() * field.rational(turn)
+    return None
+
+
+def _adjoin(it: Interpreter, function: str, argument: Element, rule: Expression) -> Element:
+    """Return the primitive as a generator whose derivative is argument' · rule."""
+    name = f"{function}({_stable(it, argument.num)}/{_stable(it, argument.den)})"
+    if name not in it.field.index:
+        text = it.element_expression(argument)
+        raise MissingError(
+            Generator(
+                name, "primitive", Apply(function, text), argument=text, function=function,
+                relation=(rule,), numeric=it.is_numeric(argument),
+            )  # fmt: skip
+        )
+    return it.field.generator(name)

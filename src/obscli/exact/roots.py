@@ -1,0 +1,185 @@
+"""Rational powers: u^(p/q) as algebraic generators that do not secretly depend on each other.
+
+u = c Π f_i^(e_i) into irreducible factors. Full q-th powers come out of the root (with the sign that
+``assume`` fixes, else undecided); what remains, w, is a class in the group of elements modulo q-th
+powers. For q = 2 the classes of the radicands are vectors over GF(2): √w is adjoined only if w is
+independent of the radicands there (Kummer theory), otherwise it is a product of their roots: √2·√3 = √6.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from flint import fmpz
+
+from obscli.exact.errors import UndefinedError
+from obscli.exact.field import Element, Generator
+from obscli.exact.missing import MissingError
+from obscli.model.expression import Power
+
+
+if TYPE_CHECKING:
+    from flint import fmpz_mpoly as Polynomial
+
+    from obscli.exact.interpreter import Interpreter
+
+
+def rational_power(it: Interpreter, base: Element, exponent: Fraction) -> Element:
+    """Return base^exponent, real branch; exponent not an integer.
+
+    Raises
+    ------
+    UndecidedError : a full power under an even root has a sign that ``assume`` does not fix
+    UndefinedError : zero to a negative power
+    """
+    if not base:
+        if exponent < 0:
+            raise UndefinedError
+        return base
+    q = exponent.denominator
+    outside, radicand = _take_out_powers(it, base, q)
+    if radicand == 1:
+        return outside**exponent.numerator
+    root = _square_root(it, radicand) if q == 2 else _root(it, radicand, q)
+    return (outside * root) ** exponent.numerator
+
+
+def _take_out_powers(it: Interpreter, base: Element, q: int) -> tuple[Element, Polynomial]:
+    """Write base^(1/q) = outside · radicand^(1/q) with a radicand free of q-th powers."""
+    field = it.field
+    outside, radicand = field.one, field.one_polynomial
+    for factor, exponent in _factors(base):
+        whole, rest = divmod(exponent, q)
+        if whole:
+            piece = Element(field, factor, field.one_polynomial)
+            if q % 2 == 0 and whole % 2 and _sign(it, factor) < 0:
+                piece = -piece
+            outside = outside * piece**whole
+        radicand = radicand * factor**rest
+    return outside, radicand
+
+
+def _factors(base: Element) -> list[tuple[Polynomial, int]]:
+    """Return irreducible polynomials (primes and -1 among them) with exponents, denominators negative."""
+    context = base.num.context()
+    result: dict[str, tuple[Polynomial, int]] = {}
+    for polynomial, sign in ((base.num, 1), (base.den, -1)):
+        constant, factors = polynomial.factor()
+        numbers = [(context.constant(p), e) for p, e in fmpz(abs(int(constant))).factor()]
+        if constant < 0:
+            numbers.append((context.constant(-1), 1))
+        for factor, exponent in [*numbers, *factors]:
+            known = result.get(str(factor), (factor, 0))
+            result[str(factor)] = (factor, known[1] + sign * int(exponent))
+    return [(factor, exponent) for factor, exponent in result.values() if exponent]
+
+
+def _sign(it: Interpreter, polynomial: Polynomial) -> int:
+    sign = sign_of(it, polynomial)
+    if sign is None:
+        from obscli.exact.angles import undecided_sign  # noqa: PLC0415  (roots and angles call each other)
+        from obscli.model.notation import to_text  # noqa: PLC0415  (only for the message)
+
+        raise undecided_sign(to_text(it.expression(polynomial)))
+    return sign
+
+
+def sign_of(it: Interpreter, polynomial: Polynomial) -> int | None:
+    """Return the sign of a polynomial where it is evident: even powers, positive generators, factors."""
+    sign = evident_sign(it, polynomial)
+    if sign is not None:
+        return sign
+    constant, factors = polynomial.factor()
+    total = 1 if constant > 0 else -1
+    for factor, exponent in factors:
+        if exponent % 2:
+            known = evident_sign(it, factor)
+            if known is None:
+                return None
+            total *= known
+    return total
+
+
+def evident_sign(it: Interpreter, polynomial: Polynomial, *, assumed: bool = True) -> int | None:
+    """Return the sign that all terms of a polynomial share, each a square times positive generators.
+
+    With ``assumed`` false the assumptions about parameters do not count, only what is positive by nature.
+    """
+    generators = it.field.generators
+    signs = set()
+    for exponents, coefficient in polynomial.terms():
+        for k, e in enumerate(exponents):
+            if e % 2 and not (generators[k].positive and (assumed or generators[k].kind != "parameter")):
+                return None
+        signs.add(1 if coefficient > 0 else -1)
+    return signs.pop() if len(signs) == 1 else None
+
+
+def _square_root(it: Interpreter, radicand: Polynomial) -> Element:
+    """Return √radicand for a squarefree radicand: a product of known roots, or a new generator."""
+    field = it.field
+    known = [g for g in field.generators if g.kind == "root" and g.order == 2 and not g.function]
+    radicands = {g.name: it.read(g.relation[0]).num for g in known}
+    chosen = _dependence(radicands, radicand)
+    if chosen is None:
+        return _root(it, radicand, 2)
+    product, roots = field.one_polynomial, field.one
+    for name in chosen:
+        product = product * radicands[name]
+        roots = roots * field.generator(name)
+    # √w = Π √w_j / |s|  with  Π w_j = w s²
+    outside, rest = _take_out_powers(
+        it, field.fraction(product, radicand), 2
+    )
+    assert rest == 1
+    return roots / outside
+
+
+def _dependence(radicands: dict[str, Polynomial], target: Polynomial) -> list[str] | None:
+    """Return roots whose radicands multiply to the target up to squares, by elimination over GF(2)."""
+    names = list(radicands)
+    classes = [_class(radicands[name]) for name in names]
+    basis: list[tuple[frozenset[str], frozenset[int]]] = []
+    for k, vector in enumerate(classes):
+        reduced, used = _reduce(vector, frozenset([k]), basis)
+        if reduced:
+            basis.append((reduced, used))
+    rest, used = _reduce(_class(target), frozenset(), basis)
+    return None if rest else [names[k] for k in sorted(used)]
+
+
+def _reduce(
+    vector: frozenset[str], used: frozenset[int], basis: list[tuple[frozenset[str], frozenset[int]]]
+) -> tuple[frozenset[str], frozenset[int]]:
+    for other, indices in basis:
+        if min(other) in vector:
+            vector, used = vector ^ other, used ^ indices
+    return vector, used
+
+
+def _class(polynomial: Polynomial) -> frozenset[str]:
+    one = Element.__new__(Element)
+    one.num, one.den = polynomial, polynomial.context().constant(1)
+    return frozenset(str(factor) for factor, exponent in _factors(one) if exponent % 2)
+
+
+def _root(it: Interpreter, radicand: Polynomial, q: int) -> Element:
+    meaning = Power(it.expression(radicand), Fraction(1, q))
+    name = f"root{q}({_stable(it, radicand)})"
+    if name not in it.field.index:
+        element = Element(it.field, radicand, it.field.one_polynomial)
+        zeros = (it.expression(it.field.zero.num),) * (q - 1)
+        raise MissingError(
+            Generator(
+                name, "root", meaning, order=q, relation=(meaning.base, *zeros),
+                positive=q % 2 == 0, numeric=it.is_numeric(element),
+            )  # fmt: skip
+        )
+    return it.field.generator(name)
+
+
+def _stable(it: Interpreter, polynomial: Polynomial) -> str:
+    from obscli.exact.angles import _text  # noqa: PLC0415
+
+    return _text(it, polynomial)
