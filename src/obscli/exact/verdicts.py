@@ -1,0 +1,68 @@
+"""Verdicts for states and quantities, read off a reduced basis.
+
+The bipartite graph states × combinations of a reduced basis has connected components that do not depend
+on the choice of pivots (they are the components of the matroid of the columns).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from obscli.exact.finding import QuantityVerdict, StateVerdict
+from obscli.exact.kernel import dot
+from obscli.exact.field import Element
+
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from obscli.exact.echelon import PolyRow
+    from obscli.exact.interpreter import Interpreter
+    from obscli.model.system import Quantity
+
+
+def groups(rows: Mapping[int, PolyRow]) -> list[set[int]]:
+    """Return the connected components of states that share combinations, singletons included."""
+    components: list[set[int]] = []
+    for row in rows.values():
+        joined = set(row)
+        apart = []
+        for component in components:
+            if component & joined:
+                joined |= component
+            else:
+                apart.append(component)
+        components = [*apart, joined]
+    return components
+
+
+def state_verdicts(names: Sequence[str], components: Sequence[set[int]]) -> dict[str, StateVerdict]:
+    """A state alone in its component is observable, with others coupled, in no component unobservable."""
+    verdicts: dict[str, StateVerdict] = dict.fromkeys(names, "unobservable")
+    for component in components:
+        for j in component:
+            verdicts[names[j]] = "observable" if len(component) == 1 else "coupled"
+    return verdicts
+
+
+def quantity_verdict(
+    quantity: Quantity,
+    interpreter: Interpreter,
+    names: Sequence[str],
+    kernel: Mapping[int, PolyRow],
+    components: Sequence[set[int]],
+) -> QuantityVerdict:
+    """A quantity q is observable iff q N = 0; coupled where one of its states enters a combination."""
+    index = {name: j for j, name in enumerate(names)}
+    field = interpreter.field
+    row = {index[state]: interpreter.read(e) for state, e in quantity.coefficients.items()}
+    row = {j: element for j, element in row.items() if element}
+    columns = (
+        {i: Element(field, p, field.one_polynomial) for i, p in column.items()} for column in kernel.values()
+    )
+    group = tuple(sorted((names[j] for c in components if c & row.keys() for j in c), key=index.__getitem__))
+    if not any(dot(field, row, column) for column in columns):
+        verdict: StateVerdict = "observable"
+    else:
+        verdict = "coupled" if group else "unobservable"
+    return QuantityVerdict(quantity.name, quantity.coefficients, verdict, group)
