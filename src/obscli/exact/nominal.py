@@ -1,0 +1,98 @@
+"""The exact rank at the file's parameter values, and why it differs from the generic one.
+
+At special values the rank can only drop: a minor that vanishes identically vanishes at the values. So
+where the minor that proves the generic rank is nonzero at the values too, the rank is the generic one;
+otherwise the specialised system is analysed anew.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.finding import AtValues, CriticalSearch
+from obscli.exact.interpreter import Interpreter
+from obscli.exact.lower import prove_lower_bound
+from obscli.exact.prove import Proof, certificate, prove
+from obscli.model.notation import to_text
+from obscli.model.specialise import Specialisation, at_nominal
+
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from obscli.model.system import Parameter, System
+
+
+def rank_at_values(proof: Proof, critical: CriticalSearch | None) -> AtValues:
+    """Return the proved rank at the nominal values of the parameters."""
+    system = proof.exact.system
+    missing = [p.name for p in _used(proof) if p.nominal is None]
+    if missing:
+        return AtValues(None, (), f"no value for {', '.join(missing)}")
+    if not _used(proof):
+        return AtValues(proof.rank, ())
+    try:
+        return _rank(proof, at_nominal(system).system(), critical)
+    except UndefinedError as error:
+        return AtValues(None, (), f"at the file's values a coefficient does not exist: {error}")
+    except UndecidedError as error:
+        return AtValues(None, (), str(error))
+
+
+def _used(proof: Proof) -> list[Parameter]:
+    return [p for p in proof.exact.system.parameters if p.name in proof.exact.field.index]
+
+
+def _rank(proof: Proof, special: System, critical: CriticalSearch | None) -> AtValues:
+    columns = list(proof.flag.rows)
+    interpreter = Interpreter(special, [*special.A.entries.values(), *special.H.entries.values()])
+    try:
+        prove_lower_bound(special, interpreter, proof.saturation.rows, columns, patient=False)
+    except UndecidedError:
+        rerun = prove(special, range(special.n))
+        because = () if rerun.rank == proof.rank else _because(proof, rerun.rank, critical)
+        return AtValues(rerun.rank, because, certificate=certificate(rerun))
+    return AtValues(proof.rank, ())
+
+
+def _because(proof: Proof, rank: int, critical: CriticalSearch | None) -> tuple[str, ...]:
+    """Name the critical conditions that hold at the values, else the fewest values that lower the rank."""
+    if critical is not None:
+        system = proof.exact.system
+        nominal = at_nominal(system)
+        found = tuple(
+            value.condition
+            for value in critical.values
+            if value.zero is not None and value.rank is not None and _vanishes(system, nominal, value.zero)
+        )
+        if found:
+            return found
+    return _fewest_values(proof, rank)
+
+
+def _vanishes(system: System, nominal: Specialisation, zero: object) -> bool:
+    expression = nominal.expression(zero)  # type: ignore[arg-type]
+    try:
+        return not Interpreter(nominal.system(), [expression]).read(expression)
+    except (UndecidedError, UndefinedError):
+        return False
+
+
+def _fewest_values(proof: Proof, rank: int) -> tuple[str, ...]:
+    """Free the parameters one by one; those whose freeing restores the rank are the reason."""
+    system = proof.exact.system
+    fixed = {p.name: p.nominal for p in _used(proof) if p.nominal is not None}
+    for name in list(fixed):
+        rest = {other: value for other, value in fixed.items() if other != name}
+        try:
+            lower = prove(Specialisation(system, rest).system(), range(system.n)).rank == rank
+        except (UndecidedError, UndefinedError):
+            lower = False
+        if lower:
+            fixed = rest
+    return tuple(_equations(fixed.items()))
+
+
+def _equations(pairs: Iterable[tuple[str, object]]) -> list[str]:
+    return [f"{name} = {to_text(value)}" for name, value in pairs]  # type: ignore[arg-type]

@@ -1,0 +1,159 @@
+"""The rank of one system with its proof: saturation, elimination, kernel, certificate.
+
+The generators of the field may depend on each other in secret; the proof does not mind. Upper bound:
+identities in the free differential ring, true of the real functions because evaluation is a
+homomorphism. Lower bound: one real minor. Where the two do not meet the rank is undecided.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from obscli.exact.echelon import PolyRow
+from obscli.exact.elimination import Flag, eliminate
+from obscli.exact.errors import JetOverflowError
+from obscli.exact.exact_system import ExactSystem, more_jets, read_system
+from obscli.exact.field import Element
+from obscli.exact.finding import Certificate, LowerBound, UpperBound
+from obscli.exact.identity import fingerprint, independent_constants
+from obscli.exact.kernel import Kernel, drift, invariant_kernel, kernel_columns
+from obscli.exact.lower import prove_lower_bound
+from obscli.exact.restore import Restorer
+from obscli.exact.saturation import Saturation, saturate
+from obscli.model.expression import Expression
+from obscli.model.system import Covector, System
+
+
+@dataclass(frozen=True, eq=False)
+class Proof:
+    """A system read exactly, its reduced echelon form, kernel and lower bound: the rank is proved."""
+
+    exact: ExactSystem
+    saturation: Saturation
+    flag: Flag
+    kernel: Kernel
+    lower: LowerBound
+    restorer: Restorer
+
+    @property
+    def rank(self) -> int:
+        """The generic rank."""
+        return self.saturation.rank
+
+    @property
+    def order(self) -> int:
+        """The order at which the observability matrix saturates."""
+        return self.saturation.order
+
+    @cached_property
+    def echelon(self) -> tuple[Covector, ...]:
+        """The reduced echelon form as readable combinations, by pivot."""
+        return tuple(self.covector(row) for _, row in sorted(self.flag.rows.items()))
+
+    def directions(self) -> tuple[Covector, ...]:
+        """Return the kernel columns as readable directions, by state."""
+        return tuple(self.covector(column) for column in self.kernel.columns.values())
+
+    def covector(self, row: PolyRow) -> Covector:
+        """Return a polynomial row as a readable linear form, states in order."""
+        names = self.exact.system.state_names
+        restored = self.restorer.row(row)
+        return {names[j]: restored[j] for j in sorted(restored)}
+
+
+def prove(system: System, columns: Sequence[int], extra: Iterable[Expression] = ()) -> Proof:
+    """Compute and prove the generic rank of the observability matrix of a system.
+
+    Parameters
+    ----------
+    columns : order of the states in which pivots are sought
+    extra : further expressions to be read in the same field
+
+    Raises
+    ------
+    UndecidedError : zero or the rank cannot be decided; the text says why
+    UndefinedError : a coefficient does not exist
+    """
+    extra = tuple(extra)
+    exact = read_system(system, extra)
+    while True:
+        try:
+            return prove_read(exact, columns)
+        except JetOverflowError:
+            exact = more_jets(exact, extra)
+
+
+def prove_read(exact: ExactSystem, columns: Sequence[int]) -> Proof:
+    """Compute and prove the rank of a system that has been read.
+
+    Raises
+    ------
+    JetOverflowError : the field holds too few derivatives of a function
+    """
+    saturation = saturate(exact)
+    flag = eliminate(exact, saturation, columns)
+    kernel = invariant_kernel(exact, kernel_columns(exact.field, flag.rows, columns))
+    lower = prove_lower_bound(exact.system, exact.interpreter, saturation.rows, list(flag.rows))
+    return Proof(exact, saturation, flag, kernel, lower, Restorer(exact.interpreter))
+
+
+def certificate(proof: Proof) -> Certificate:
+    """Return the certificate of a proof, in expressions of the model's grammar."""
+    return Certificate(
+        model=fingerprint(proof.exact.system),
+        rank=proof.rank,
+        order=proof.order,
+        lower=proof.lower,
+        upper=_upper_bound(proof),
+        assumes=independent_constants(proof.exact),
+    )
+
+
+def _upper_bound(proof: Proof) -> UpperBound:
+    """Write N and X with each column of N scaled as it is printed: N D, and X becomes D⁻¹(X D + D')."""
+    exact, restorer = proof.exact, proof.restorer
+    names = exact.system.state_names
+    free = list(proof.kernel.columns)
+    printed = {f: proof.covector(column) for f, column in proof.kernel.columns.items()}
+    scale = {f: _scale(proof, f, printed[f][names[f]]) for f in free}
+    zero = exact.field.zero
+    columns = []
+    for f in free:
+        x = proof.kernel.multiplier[f]
+        entries = {g: x.get(g, zero) * scale[f] / scale[g] for g in free if g in x}
+        entries[f] = entries.get(f, zero) + exact.field.derive(scale[f]) / scale[f]
+        columns.append(tuple(restorer.element(entries.get(g, zero)) for g in free))
+    return UpperBound(tuple(printed.values()), tuple(columns), _delay(proof))
+
+
+def _scale(proof: Proof, free: int, printed: Expression) -> Element:
+    field = proof.exact.field
+    entry = Element(field, proof.kernel.columns[free][free], field.one_polynomial)
+    return proof.exact.interpreter.read(printed) / entry
+
+
+def _delay(proof: Proof) -> Covector | None:
+    """Return a direction that the rows below the saturation order do not see, and the order does."""
+    if proof.order == 0:
+        return None
+    earlier = proof.flag.before_last
+    columns = kernel_columns(proof.exact.field, earlier, range(proof.exact.n))
+    pivots = next(free for free in columns if _seen(proof, columns[free]))
+    return proof.covector(columns[pivots])
+
+
+def _seen(proof: Proof, column: PolyRow) -> bool:
+    """Whether the direction is seen at the saturation order, for L_k w = ±H w_k, w_{k+1} = w_k' - A w_k."""
+    exact = proof.exact
+    one = exact.field.one_polynomial
+    direction = {i: Element(exact.field, p, one) for i, p in column.items()}
+    for row in proof.flag.rows.values():
+        total = exact.field.zero
+        for j, entry in row.items():
+            if j in direction:
+                total = total + Element(exact.field, entry, one) * direction[j]
+        if total:
+            return True
+    return False
