@@ -1,0 +1,193 @@
+"""The analytic pipeline for one system: everything an engineer asks of exact algebra, as one finding."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
+
+from obscli.exact.advice import advise
+from obscli.exact.basis import preferred_basis, sparse_basis
+from obscli.exact.critical import search_critical_values
+from obscli.exact.echelon import PolyRow
+from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.field import Element
+from obscli.exact.finding import Analysis, Combination, CriticalSearch, Neglect, Undecided
+from obscli.exact.kernel import dot
+from obscli.exact.nominal import rank_at_values
+from obscli.exact.origin import first_rows
+from obscli.exact.prove import Proof, certificate, prove
+from obscli.exact.saturation import saturate
+from obscli.exact.verdicts import groups, quantity_verdict, state_verdicts
+from obscli.model.notation import to_text
+from obscli.model.system import Covector, Quantity, System
+
+
+Progress: TypeAlias = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Options:
+    """What the user asked of the analysis.
+
+    ``basis``: the form of the printed basis, or rows the user prefers; ``pivot_order``: states to be
+    eliminated first, the rest following in the order of the model; ``critical``: search for parameter
+    values at which the rank drops.
+    """
+
+    basis: Literal["echelon", "sparse"] | tuple[Quantity, ...] = "echelon"
+    pivot_order: tuple[str, ...] = ()
+    critical: bool = True
+    certificate: bool = True
+
+
+def analyze(
+    system: System, options: Options | None = None, progress: Progress = lambda _: None
+) -> Analysis | Undecided:
+    """Find and prove the observable combinations of a system.
+
+    Parameters
+    ----------
+    system : the stage to analyse
+    options : form of the basis, pivot order, whether to search critical values
+    progress : called with a short text before each longer step
+    """
+    options = options or Options()
+    progress("observability matrix")
+    try:
+        proof = prove(system, _columns(system, options.pivot_order), _extra(system, options))
+    except (UndecidedError, UndefinedError) as error:
+        return Undecided(system, str(error))
+    return _describe(proof, options, progress)
+
+
+def _extra(system: System, options: Options) -> list[object]:
+    preferred = options.basis if isinstance(options.basis, tuple) else ()
+    return [e for q in (*system.quantities, *preferred) for e in q.coefficients.values()]
+
+
+def _columns(system: System, pivot_order: tuple[str, ...]) -> list[int]:
+    index = {name: j for j, name in enumerate(system.state_names)}
+    first = [index[name] for name in pivot_order]
+    return [*first, *(j for j in range(system.n) if j not in set(first))]
+
+
+def _describe(proof: Proof, options: Options, progress: Progress) -> Analysis:
+    exact, system = proof.exact, proof.exact.system
+    names = system.state_names
+    rows, notes = _basis(proof, options)
+    components = groups(proof.flag.rows)
+    critical = None
+    if options.critical:
+        progress("critical values")
+        critical = search_critical_values(proof, progress)
+    progress("rank at the file's values")
+    analysis = Analysis(
+        system=system,
+        rank=proof.rank,
+        order=proof.order,
+        combinations=_combinations(proof, rows),
+        unobservable=proof.directions(),
+        states=state_verdicts(names, components),
+        groups=tuple(tuple(names[j] for j in sorted(c)) for c in sorted(components, key=min) if len(c) > 1),
+        quantities=tuple(
+            quantity_verdict(q, exact.interpreter, names, proof.kernel.columns, components)
+            for q in system.quantities
+        ),
+        certificate=certificate(proof) if options.certificate else None,
+        at_values=rank_at_values(proof, critical),
+        frozen_rank=saturate(exact, frozen=True).rank if exact.varies else proof.rank,
+        critical=critical,
+        varying=_varying(proof),
+        notes=(*notes, *_notes(system)),
+    )
+    return replace(analysis, advice=advise(analysis))
+
+
+def _basis(proof: Proof, options: Options) -> tuple[list[PolyRow], list[str]]:
+    rows = proof.flag.rows
+    if options.basis == "sparse":
+        return sparse_basis(proof.exact, rows), []
+    if options.basis == "echelon":
+        place = {j: k for k, j in enumerate(_columns(proof.exact.system, options.pivot_order))}
+        return [rows[p] for p in sorted(rows, key=place.__getitem__)], []
+    return preferred_basis(proof.exact, rows, proof.kernel.columns, options.basis)
+
+
+def _combinations(proof: Proof, rows: list[PolyRow]) -> tuple[Combination, ...]:
+    outputs = proof.exact.system.outputs
+    origins = first_rows(proof.exact, proof.saturation, rows)
+    covectors = [proof.covector(row) for row in rows]
+    return tuple(
+        Combination(covector, _is_constant(proof, covector), outputs[output].name, order)
+        for covector, (order, output) in zip(covectors, origins, strict=True)
+    )
+
+
+def _is_constant(proof: Proof, covector: Covector) -> bool:
+    """Whether ξ' + ξA = 0, so that the combination keeps its value along every solution."""
+    exact = proof.exact
+    index = {name: j for j, name in enumerate(exact.system.state_names)}
+    row = {index[name]: exact.interpreter.read(entry) for name, entry in covector.items()}
+    total: dict[int, Element] = {j: exact.field.derive(element) for j, element in row.items()}
+    for i, element in row.items():
+        for j, entry in exact.A[i].items():
+            total[j] = total.get(j, exact.field.zero) + element * entry
+    return not any(total.values())
+
+
+def _varying(proof: Proof) -> tuple[str, ...]:
+    """Name what varies in time: time itself, functions, angles and exponents."""
+    exact = proof.exact
+    found = []
+    for k, generator in enumerate(exact.field.generators):
+        if not exact.field.varies(k) or (generator.kind == "jet" and generator.order):
+            continue
+        if generator.kind == "angle" and generator.argument is not None:
+            found.append(f"sin, cos of {to_text(generator.argument)}")
+        else:
+            found.append(to_text(generator.meaning))
+    return tuple(found)
+
+
+def _notes(system: System) -> tuple[str, ...]:
+    """A relation that holds in reality but is not stated makes the rank an upper bound."""
+    if not any(f.derivative is None for f in system.functions):
+        return ()
+    names = ", ".join(f.name for f in system.functions if f.derivative is None)
+    return (f"The rank holds for generic {names}; relations among them that the file does not state can lower it.",)
+
+
+def compare(before: Analysis, after: Analysis, substitution: str) -> Neglect:
+    """Say what an exact substitution changes: combinations of one analysis that are not in the other."""
+    return Neglect(
+        substitution,
+        before.rank,
+        after.rank,
+        lost=tuple(_outside(before, after)),
+        gained=tuple(_outside(after, before)),
+    )
+
+
+def _outside(mine: Analysis, other: Analysis) -> list[Covector]:
+    """Return combinations of ``mine`` that do not annihilate the unobservable directions of ``other``."""
+    covectors = [c.coefficients for c in mine.combinations]
+    return [c for c, inside in zip(covectors, contained(other, covectors), strict=True) if not inside]
+
+
+def contained(analysis: Analysis, covectors: list[Covector]) -> list[bool]:
+    """Whether each covector is an observable combination: c N = 0 exactly.
+
+    Raises
+    ------
+    UndecidedError : zero cannot be decided for some coefficient
+    """
+    from obscli.exact.exact_system import read_system  # noqa: PLC0415
+
+    entries = [e for c in (*covectors, *analysis.unobservable) for e in c.values()]
+    exact = read_system(analysis.system, entries)
+    read = exact.interpreter.read
+    index = {name: j for j, name in enumerate(analysis.system.state_names)}
+    rows = [{index[s]: read(e) for s, e in c.items() if s in index} for c in covectors]
+    columns = [{index[s]: read(e) for s, e in d.items()} for d in analysis.unobservable]
+    return [not any(dot(exact.field, row, column) for column in columns) for row in rows]

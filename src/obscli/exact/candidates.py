@@ -1,0 +1,100 @@
+"""Candidates for critical hypersurfaces: where a divisor of the elimination vanishes identically in time.
+
+A divisor is a polynomial in generators that vary in time, with coefficients in those that do not. It
+vanishes identically in t only where (a) all its coefficients do: in codimension one, an irreducible factor
+of their greatest common divisor, its *content*; or (b) the varying generators become dependent: a rate
+becomes zero, or harmonics that occur in the divisor coincide (``collisions``). Roots are freed by norms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from obscli.exact.roots import evident_sign
+
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from flint import fmpz_mpoly as Polynomial
+
+    from obscli.exact.exact_system import ExactSystem
+    from obscli.exact.field import Field
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """An irreducible polynomial in constant generators whose zeros are to be tried.
+
+    ``collapse``: the generators themselves become dependent there, so only a rerun can tell.
+    """
+
+    polynomial: Polynomial
+    origin: Literal["divisor", "denominator", "collision"]
+
+    @property
+    def collapse(self) -> bool:
+        """Whether the field changes on the hypersurface."""
+        return self.origin == "collision"
+
+
+def content_candidates(
+    exact: ExactSystem, divisors: Iterable[Polynomial], origin: Literal["divisor", "denominator", "collision"]
+) -> dict[str, Candidate]:
+    """Return the irreducible factors of the contents in time of some polynomials."""
+    found: dict[str, Candidate] = {}
+    for divisor in divisors:
+        content = time_content(exact.field, exact.field.norm(divisor))
+        if content.is_constant():
+            continue
+        for factor, _ in content.factor()[1]:
+            found.setdefault(str(factor), Candidate(factor, origin))
+    return found
+
+
+def time_content(field: Field, polynomial: Polynomial) -> Polynomial:
+    """Return the gcd of the coefficients of a polynomial in the generators that vary in time."""
+    varying = [k for k in range(len(field.generators)) if field.varies(k)]
+    if not varying or polynomial.is_zero():
+        return polynomial
+    groups: dict[tuple[int, ...], dict[tuple[int, ...], int]] = {}
+    for exponents, coefficient in polynomial.terms():
+        key = tuple(exponents[k] for k in varying)
+        rest = tuple(0 if k in set(varying) else e for k, e in enumerate(exponents))
+        groups.setdefault(key, {})[rest] = coefficient
+    content = None
+    for part in sorted(groups.values(), key=len):
+        coefficient = field.ctx.from_dict(part)
+        content = coefficient if content is None else content.gcd(coefficient)
+        if content.is_constant():
+            break
+    assert content is not None
+    return content
+
+
+def has_real_zeros(exact: ExactSystem, factor: Polynomial) -> bool:
+    """Whether a factor may vanish on a real hypersurface: not if all its terms have one evident sign.
+
+    Assumptions about parameters do not count here; a zero outside them is reported apart.
+    """
+    return evident_sign(exact.interpreter, factor, assumed=False) is None or _vanishes_at_zero(exact, factor)
+
+
+def _vanishes_at_zero(exact: ExactSystem, factor: Polynomial) -> bool:
+    """A single generator that is not positive by nature has the hypersurface generator = 0."""
+    if len(factor) != 1:
+        return False
+    generators = exact.field.generators
+    used = [k for k, degree in enumerate(factor.degrees()) if degree > 0]
+    return not any(generators[k].positive and generators[k].kind != "parameter" for k in used)
+
+
+def allowed_by_assumptions(exact: ExactSystem, factor: Polynomial) -> bool:
+    """Whether a zero of the factor is compatible with ``assume``."""
+    if evident_sign(exact.interpreter, factor, assumed=True) is not None:
+        return False
+    nonzero = {p.name for p in exact.system.parameters if p.assume == "nonzero"}
+    used = [k for k, degree in enumerate(factor.degrees()) if degree > 0]
+    single = len(used) == 1 and len(factor) == 1
+    return not (single and exact.field.generators[used[0]].name in nonzero)

@@ -1,0 +1,122 @@
+"""Where generators that vary in time become dependent: rates that vanish, harmonics that coincide.
+
+For base angles θ_j(t) a divisor is a trigonometric polynomial Σ c_k exp(i k·θ). It can vanish identically
+though no content does only if two harmonics k ≠ k' that occur in it coincide: (k - k')·θ' = 0 for all t.
+The content in time of (k - k')·θ' gives the hypersurfaces. Exponentials likewise; for logarithms and
+inverse functions small integer combinations of their rates are tried.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations, product
+from math import gcd
+from typing import TYPE_CHECKING, TypeAlias
+
+from flint import Ordering, nmod_mpoly_ctx
+
+from obscli.exact.candidates import Candidate, content_candidates
+from obscli.exact.field import Element
+
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from flint import fmpz_mpoly as Polynomial
+
+    from obscli.exact.exact_system import ExactSystem
+
+#: A prime with p = 1 (mod 4), so that i = √-1 exists, and that root.
+_PRIME = 2305843009213693921
+Harmonic: TypeAlias = tuple[int, ...]
+
+#: More differences of harmonics than this are not all tried; the report says so.
+MOST_DIFFERENCES = 400
+
+
+def collision_candidates(
+    exact: ExactSystem, divisors: Sequence[Polynomial]
+) -> tuple[dict[str, Candidate], tuple[str, ...]]:
+    """Return the hypersurfaces on which varying generators become dependent, and what was not tried."""
+    found: dict[str, Candidate] = {}
+    left_out: list[str] = []
+    field = exact.field
+    for kind in ("angle", "exponential", "primitive"):
+        indices = [k for k, g in enumerate(field.generators) if g.kind == kind and field.varies(k)]
+        if not indices:
+            continue
+        differences = _differences(exact, divisors, indices, kind)
+        if len(differences) > MOST_DIFFERENCES:
+            left_out.append(f"coincidences of more than {MOST_DIFFERENCES} pairs of harmonics")
+            differences = sorted(differences, key=lambda k: sum(map(abs, k)))[:MOST_DIFFERENCES]
+        rates = [_rate(exact, k) for k in indices]
+        for difference in differences:
+            combined = field.zero
+            for factor, rate in zip(difference, rates, strict=True):
+                combined = combined + field.rational(factor) * rate
+            if combined:
+                found.update(content_candidates(exact, [combined.num], "collision"))
+    return found, tuple(left_out)
+
+
+def _rate(exact: ExactSystem, k: int) -> Element:
+    """Return the derivative of the angle, exponent or primitive behind a generator."""
+    generator = exact.field.generators[k]
+    if generator.kind == "primitive" or generator.argument is None:
+        return exact.field.derivative(k)
+    return exact.field.derive(exact.interpreter.read(generator.argument))
+
+
+def _differences(
+    exact: ExactSystem, divisors: Sequence[Polynomial], indices: Sequence[int], kind: str
+) -> list[Harmonic]:
+    units = [tuple(int(i == j) for j in range(len(indices))) for i in range(len(indices))]
+    found = set(units)
+    if len(indices) == 1:
+        return list(found)
+    for divisor in divisors:
+        norm = exact.field.norm(divisor)
+        harmonics = _harmonics(norm, indices) if kind == "angle" else _exponents(norm, indices)
+        for a, b in combinations(harmonics, 2):
+            found.add(_primitive(tuple(x - y for x, y in zip(a, b, strict=True))))
+    if kind == "primitive":
+        small = product(range(-2, 3), repeat=len(indices)) if len(indices) <= 3 else units
+        found |= {_primitive(k) for k in small if any(k)}
+    return sorted(found)
+
+
+def _primitive(k: Harmonic) -> Harmonic:
+    common = gcd(*k)
+    first = next((x for x in k if x), 1)
+    sign = 1 if first > 0 else -1
+    return tuple(sign * x // common for x in k)
+
+
+def _exponents(polynomial: Polynomial, indices: Sequence[int]) -> set[Harmonic]:
+    return {tuple(int(exponents[k]) for k in indices) for exponents in polynomial.monoms()}
+
+
+def _harmonics(polynomial: Polynomial, indices: Sequence[int]) -> Iterable[Harmonic]:
+    """Return the harmonics of a polynomial in half-angle tangents: τ = -i (z - 1)/(z + 1), z = exp(iθ).
+
+    The other generators take fixed values modulo a prime; a harmonic lost by accident is lost with
+    probability of about 2^-61.
+    """
+    ctx = nmod_mpoly_ctx.get([f"z{k}" for k in indices], _PRIME, Ordering.lex)
+    tops = [int(polynomial.degrees()[k]) for k in indices]
+    i = pow(_non_residue(), (_PRIME - 1) // 4, _PRIME)
+    total = ctx.constant(0)
+    for exponents, coefficient in polynomial.terms():
+        value = int(coefficient) % _PRIME
+        for k, e in enumerate(exponents):
+            if e and k not in indices:
+                value = value * pow(7919 + 104729 * k, int(e), _PRIME) % _PRIME
+        term = ctx.constant(value)
+        for z, k, top in zip(ctx.gens(), indices, tops, strict=True):
+            e = int(exponents[k])
+            term = term * ((z - 1) * (_PRIME - i)) ** e * (z + 1) ** (top - e)
+        total = total + term
+    return {tuple(int(e) for e in exponents) for exponents in total.monoms()}
+
+
+def _non_residue() -> int:
+    return next(a for a in range(2, 100) if pow(a, (_PRIME - 1) // 2, _PRIME) == _PRIME - 1)

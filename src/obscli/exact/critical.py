@@ -1,0 +1,137 @@
+"""Parameter values and identities among functions at which the rank drops.
+
+Complete in codimension one for parameters: every real hypersurface of parameter space on which the
+generic-in-t rank drops is a zero of a divisor's content, a collision of generators, or a half-angle at
+infinity (see ``candidates``, ``collisions``). Each candidate is screened modulo a prime on the hypersurface
+(a full rank there is proof that it is not critical), and what remains is confirmed by an exact, proved
+rerun on the specialised system.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from obscli.exact.candidates import (
+    Candidate,
+    allowed_by_assumptions,
+    content_candidates,
+    has_real_zeros,
+)
+from obscli.exact.collisions import collision_candidates
+from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.finding import CriticalSearch, CriticalValue
+from obscli.exact.identities import search_identities
+from obscli.exact.instants import search_instants
+from obscli.exact.rerun import rerun
+from obscli.exact.screen import full_rank_on
+from obscli.exact.solve import Solution, points_at_infinity, solve
+from obscli.exact.tidy import merge_opposite_angles
+from obscli.model.expression import add, negate
+from obscli.model.notation import to_text
+
+
+if TYPE_CHECKING:
+    from flint import fmpz_mpoly as Polynomial
+
+    from obscli.exact.prove import Proof
+
+
+@dataclass(slots=True)
+class _Search:
+    proof: Proof
+    values: list[CriticalValue]
+    complete: bool
+
+
+def search_critical_values(proof: Proof, progress: Callable[[str], None]) -> CriticalSearch:
+    """Search the parameter values, the identities among functions and the instants at which the rank drops."""
+    search = _Search(proof, [], complete=True)
+    candidates, left_out = _candidates(proof)
+    for candidate in candidates:
+        progress(f"critical values: {_condition(proof, candidate.polynomial)}")
+        _try(search, candidate)
+    for solution in points_at_infinity(proof.exact.interpreter):
+        _confirm(search, solution, allowed=True)
+    identities, unsearched = search_identities(proof, progress)
+    values = (*merge_opposite_angles(search.values), *identities)
+    not_searched = (*left_out, *unsearched, *_codimension(proof))
+    instants = search_instants(proof)
+    return CriticalSearch(values, search.complete and not left_out, not_searched, instants)
+
+
+def _candidates(proof: Proof) -> tuple[list[Candidate], tuple[str, ...]]:
+    exact, divisors = proof.exact, proof.flag.divisors
+    collisions, left_out = collision_candidates(exact, divisors)
+    merged = {
+        **content_candidates(exact, divisors, "divisor"),
+        **collisions,
+        **content_candidates(exact, _denominators(proof), "denominator"),
+    }
+    return [c for c in merged.values() if has_real_zeros(exact, c.polynomial)], left_out
+
+
+def _denominators(proof: Proof) -> Iterable[Polynomial]:
+    exact = proof.exact
+    return {str(e.den): e.den for row in (*exact.A, *exact.H) for e in row.values()}.values()
+
+
+def _try(search: _Search, candidate: Candidate) -> None:
+    proof, polynomial = search.proof, candidate.polynomial
+    if candidate.origin == "denominator":
+        expression = proof.restorer.row_unscaled([polynomial])[0]
+        search.values.append(
+            CriticalValue(_condition(proof, polynomial), "undefined", None, (), "A or H does not exist there",
+                          zero=expression)  # fmt: skip
+        )
+        return
+    if not candidate.collapse and full_rank_on(proof.exact, polynomial, proof.rank):
+        return
+    solutions = solve(proof.exact.interpreter, polynomial)
+    if not solutions:
+        _leave_open(search, _condition(proof, polynomial), "it could not be solved for a parameter")
+    allowed = allowed_by_assumptions(proof.exact, polynomial)
+    for solution in solutions:
+        _confirm(search, solution, allowed=allowed)
+
+
+def _confirm(search: _Search, solution: Solution, *, allowed: bool) -> None:
+    condition = f"{solution.name} = {to_text(solution.value)}"
+    try:
+        result = rerun(search.proof, {solution.name: solution.value})
+    except UndefinedError:
+        search.values.append(CriticalValue(condition, "undefined", None, (), "A or H does not exist there"))
+        return
+    except UndecidedError as error:
+        _leave_open(search, condition, str(error))
+        return
+    if result is None:
+        return
+    from obscli.model.expression import Symbol  # noqa: PLC0415
+
+    search.values.append(
+        CriticalValue(
+            condition,
+            "confirmed" if allowed else "excluded",
+            result.rank,
+            result.lost,
+            "" if allowed else "outside what the file assumes",
+            zero=add(Symbol(solution.name), negate(solution.value)),
+        )
+    )
+
+
+def _leave_open(search: _Search, condition: str, reason: str) -> None:
+    search.values.append(CriticalValue(condition, "undecided", None, (), reason))
+    search.complete = False
+
+
+def _condition(proof: Proof, polynomial: Polynomial) -> str:
+    return f"{to_text(proof.restorer.row_unscaled([polynomial])[0])} = 0"
+
+
+def _codimension(proof: Proof) -> tuple[str, ...]:
+    if sum(g.kind == "parameter" for g in proof.exact.field.generators) < 2:
+        return ()
+    return ("combinations of two or more conditions on parameters (codimension two and higher)",)

@@ -1,0 +1,60 @@
+"""Isolated instants at which the observability matrix loses rank: a note, never a loss on an interval.
+
+Candidates are the zeros in time of the divisors of the elimination. Most are spurious (a pivot vanishes,
+another takes its place), so each is tried: rank of L_0 … L_{n-1} at a random point of the zero set modulo
+a prime. (A = 0, H = [1, t²] has rank 1 at t = 0 and rank 2 on every interval.)
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from obscli.exact.errors import UndecidedError
+from obscli.exact.saturation import rank_at_instant
+from obscli.exact.screen import points_on
+from obscli.model.notation import to_text
+
+
+if TYPE_CHECKING:
+    from flint import fmpz_mpoly as Polynomial
+
+    from obscli.exact.prove import Proof
+
+_MOST_FACTORS = 40
+_KINDS = frozenset({"time", "angle", "exponential", "parameter", "pi"})
+
+
+def search_instants(proof: Proof) -> tuple[str, ...]:
+    """Return conditions on time, as text, at which the observability matrix loses rank."""
+    if not proof.exact.varies:
+        return ()
+    found = []
+    for factor in _factors(proof):
+        chosen = next(iter(points_on(proof.exact, factor)), None)
+        if chosen is None:
+            continue
+        try:
+            rank = rank_at_instant(proof.exact, proof.rank, chosen)
+        except UndecidedError:
+            continue
+        if rank < proof.rank:
+            found.append(f"{to_text(proof.restorer.row_unscaled([factor])[0])} = 0")
+    return tuple(found)
+
+
+def _factors(proof: Proof) -> list[Polynomial]:
+    """Return irreducible factors of the divisors that vary in time and may vanish."""
+    field = proof.exact.field
+    found: dict[str, Polynomial] = {}
+    for divisor in proof.flag.divisors:
+        for factor, _ in field.norm(divisor).factor()[1]:
+            used = [k for k, degree in enumerate(factor.degrees()) if degree > 0]
+            kinds = {field.generators[k].kind for k in used}
+            if kinds <= _KINDS and any(field.varies(k) for k in used) and _may_vanish(factor):
+                found.setdefault(str(factor), factor)
+    return list(found.values())[:_MOST_FACTORS]
+
+
+def _may_vanish(factor: Polynomial) -> bool:
+    signs = {c > 0 for c in factor.coeffs()}
+    return len(signs) == 2 or any(e % 2 for exponents in factor.monoms() for e in exponents)
