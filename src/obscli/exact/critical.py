@@ -82,11 +82,17 @@ def _try(search: _Search, candidate: Candidate) -> None:
     if candidate.origin == "denominator":
         expression = proof.restorer.row_unscaled([polynomial])[0]
         search.values.append(
-            CriticalValue(_condition(proof, polynomial), "undefined", None, (), "A or H does not exist there",
-                          zero=expression)  # fmt: skip
+            CriticalValue(
+                _condition(proof, polynomial),
+                "undefined",
+                None,
+                (),
+                "A or H does not exist there",
+                zero=expression,
+            )  # fmt: skip
         )
         return
-    if not candidate.collapse and full_rank_on(proof.exact, polynomial, proof.rank):
+    if not candidate.collapse and full_rank_on(proof.exact, polynomial, proof.saturation):
         return
     solutions = solve(proof.exact.interpreter, polynomial)
     if not solutions:

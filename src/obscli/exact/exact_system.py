@@ -1,12 +1,13 @@
 """A system read into its differential field: sparse A and H of field elements.
 
-    x' = A x,  y = H x;   A[i] = {j: a_ij},  H[k] = {j: h_kj}
+x' = A x,  y = H x;   A[i] = {j: a_ij},  H[k] = {j: h_kj}
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeAlias
 
 from obscli.core.place import Place
@@ -24,7 +25,7 @@ Row: TypeAlias = Mapping[int, Element]
 MOST_JETS = 64
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ExactSystem:
     """A (n, n) and H (m, n) as sparse rows over one differential field."""
 
@@ -43,7 +44,7 @@ class ExactSystem:
         """The number of states."""
         return self.system.n
 
-    @property
+    @cached_property
     def varies(self) -> bool:
         """Whether any coefficient depends on time."""
         return any(

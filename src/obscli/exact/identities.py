@@ -92,14 +92,18 @@ def _factor_trials(
 ) -> Iterator[tuple[frozenset[str], dict[str, Expression], dict[str, Expression]]]:
     field = proof.exact.field
     for factor in _factors(proof).values():
-        jets = [k for k, degree in enumerate(factor.degrees()) if degree > 0 and field.generators[k].kind == "jet"]
+        jets = [
+            k for k, degree in enumerate(factor.degrees()) if degree > 0 and field.generators[k].kind == "jet"
+        ]
         if not jets or len(factor) < 2 or full_rank_on_jets(proof, factor):
             continue
         top = max(jets, key=lambda k: field.generators[k].order)
         generator = field.generators[top]
         if generator.order > 1 or factor.degrees()[top] != 1:
             continue
-        below, above = (proof.exact.interpreter.expression(c) for c in polynomial_coefficients(factor, top)[::-1])
+        below, above = (
+            proof.exact.interpreter.expression(c) for c in polynomial_coefficients(factor, top)[::-1]
+        )
         value = negate(divide(above, below))
         if generator.order == 0 and generator.function in symbols(value):
             continue
@@ -113,7 +117,7 @@ def _factor_trials(
 def full_rank_on_jets(proof: Proof, factor: Polynomial) -> bool:
     """Jets cannot be chosen apart from their function, so a factor in them is never screened out."""
     kinds = {proof.exact.field.generators[k].kind for k, d in enumerate(factor.degrees()) if d > 0}
-    return "jet" not in kinds and full_rank_on(proof.exact, factor, proof.rank)
+    return "jet" not in kinds and full_rank_on(proof.exact, factor, proof.saturation)
 
 
 def _factors(proof: Proof) -> dict[str, Polynomial]:

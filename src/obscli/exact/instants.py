@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from obscli.exact.errors import UndecidedError
-from obscli.exact.saturation import rank_at_instant
+from obscli.exact.saturation import rank_at_instant, stays_independent
 from obscli.exact.screen import points_on
 from obscli.model.notation import to_text
 
@@ -34,10 +34,12 @@ def search_instants(proof: Proof) -> tuple[str, ...]:
         if chosen is None:
             continue
         try:
-            rank = rank_at_instant(proof.exact, proof.rank, chosen)
+            lost = not stays_independent(proof.exact, proof.saturation, chosen) and (
+                rank_at_instant(proof.exact, proof.rank, chosen) < proof.rank
+            )
         except UndecidedError:
             continue
-        if rank < proof.rank:
+        if lost:
             found.append(f"{to_text(proof.restorer.row_unscaled([factor])[0])} = 0")
     return tuple(found)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ from obscli.exact.exact_system import more_jets, read_system
 from obscli.exact.field import Element
 from obscli.exact.kernel import dot
 from obscli.exact.prove import prove_read
-from obscli.exact.saturation import saturate
+from obscli.exact.saturation import stays_independent
 from obscli.model.specialise import Specialisation
 
 
@@ -44,7 +44,7 @@ def rerun(
     images = [special.covector(combination) for combination in proof.echelon]
     extra = [e for image in images for e in image.values()]
     exact = read_system(system, extra)
-    if saturate(exact).rank == proof.rank:
+    if stays_independent(exact, proof.saturation):
         return None
     while True:
         try:
@@ -54,14 +54,19 @@ def rerun(
             exact = more_jets(exact, extra)
     if lower.rank == proof.rank:
         return None
-    lost = tuple(c for c, image in zip(proof.echelon, images, strict=True) if not _observable(lower, image))
-    return Rerun(lower.rank, lost)
+    return Rerun(lower.rank, _lost(proof, lower, images))
 
 
-def _observable(proof: Proof, covector: Covector) -> bool:
-    exact = proof.exact
+def _lost(proof: Proof, lower: Proof, images: Sequence[Covector]) -> tuple[Covector, ...]:
+    """Return the generic combinations whose image is not observable on the specialised system."""
+    exact = lower.exact
     one = exact.field.one_polynomial
     index = {name: j for j, name in enumerate(exact.system.state_names)}
-    row = {index[name]: exact.interpreter.read(e) for name, e in covector.items()}
-    columns = proof.kernel.columns.values()
-    return not any(dot(exact.field, row, {i: Element(exact.field, p, one) for i, p in c.items()}) for c in columns)
+    columns = [{i: Element(exact.field, p, one) for i, p in c.items()} for c in lower.kernel.columns.values()]
+    read = exact.interpreter.read
+    rows = [{index[name]: read(e) for name, e in image.items()} for image in images]
+    return tuple(
+        combination
+        for combination, row in zip(proof.echelon, rows, strict=True)
+        if any(dot(exact.field, row, column) for column in columns)
+    )

@@ -12,8 +12,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flint import nmod_poly
+from flint import nmod_mat, nmod_poly
 
+from obscli.exact.errors import UndecidedError
 from obscli.exact.series import PRIME, BadPointError, SeriesPoint
 
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from obscli.exact.exact_system import ExactSystem, Row
 
 _SEED = 20260117
+_ATTEMPTS = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +62,26 @@ def saturate(
 
 
 def independent_values(
-    exact: ExactSystem, saturation: Saturation, seed: int = _SEED + 1
+    exact: ExactSystem,
+    saturation: Saturation,
+    seed: int = _SEED + 1,
+    chosen: Mapping[int, int] | None = None,
 ) -> tuple[SeriesPoint, list[dict[int, int]]]:
     """Return a random point modulo PRIME and the values there of the independent rows of L."""
     length = saturation.order + 1 if exact.varies else 1
-    point = SeriesPoint(exact.field, length, seed)
+    while True:
+        try:
+            point = SeriesPoint(exact.field, length, seed, chosen)
+            return point, _values(exact, saturation, point, length)
+        except BadPointError:
+            seed += 1
+            if seed > _SEED + _ATTEMPTS:
+                raise UndecidedError("no point was found at which the coefficients exist") from None
+
+
+def _values(
+    exact: ExactSystem, saturation: Saturation, point: SeriesPoint, length: int
+) -> list[dict[int, int]]:
     A = [_series_row(point, row) for row in exact.A]
     known: dict[tuple[int, int], dict[int, nmod_poly]] = {}
     for order, output in saturation.rows:
@@ -73,34 +90,42 @@ def independent_values(
         else:
             row = known[order - 1, output]
             known[order, output] = _differentiate(row, A, length, constant=not exact.varies)
-    return point, [{j: int(series[0]) for j, series in known[row].items()} for row in saturation.rows]
+    return [{j: int(series[0]) for j, series in known[row].items()} for row in saturation.rows]
+
+
+def stays_independent(
+    exact: ExactSystem, saturation: Saturation, chosen: Mapping[int, int] | None = None
+) -> bool:
+    """Whether rows of L that are independent generically are so for this system, or at chosen values.
+
+    True is certain (a minor that is nonzero modulo p); False is only a reason to look closer.
+    """
+    _, rows = independent_values(exact, saturation, chosen=chosen)
+    matrix = nmod_mat(len(rows), exact.n, PRIME)
+    for k, row in enumerate(rows):
+        for j, value in row.items():
+            matrix[k, j] = value
+    rank: int = matrix.rank()
+    return rank == saturation.rank
 
 
 def rank_at_instant(exact: ExactSystem, rank: int, chosen: Mapping[int, int], seed: int = _SEED) -> int:
     """Return the rank of L_0 … L_{n-1} at one point modulo PRIME, at most ``rank``.
 
     At an isolated instant a row that depends on earlier ones may have derivatives that do not, so all
-    orders are taken; the first orders are tried first, since they nearly always suffice.
+    orders of all outputs are taken.
     """
-    found = 0
-    for orders in (min(exact.n, 8), exact.n):
-        found = _rank_of_orders(exact, orders, rank, chosen, seed)
-        if found == rank:
-            break
-    return found
-
-
-def _rank_of_orders(exact: ExactSystem, orders: int, rank: int, chosen: Mapping[int, int], seed: int) -> int:
-    point = None
-    while point is None:
+    orders = exact.n
+    while True:
         try:
             point = SeriesPoint(exact.field, orders, seed, chosen)
             A = [_series_row(point, row) for row in exact.A]
             level = [_series_row(point, row) for row in exact.H]
+            break
         except BadPointError:
-            point, seed = None, seed + 1
-            if seed > _SEED + 20:
-                return rank
+            seed += 1
+            if seed > _SEED + _ATTEMPTS:
+                raise UndecidedError("no point was found at which the coefficients exist") from None
     echelon: dict[int, dict[int, int]] = {}
     for order in range(orders):
         for row in level:
@@ -126,7 +151,9 @@ def _saturate(
     found: list[tuple[int, int]] = []
     for order in range(exact.n + 1):
         fresh = {
-            output: row for output, row in level.items() if _insert(echelon, {j: int(s[0]) for j, s in row.items()})
+            output: row
+            for output, row in level.items()
+            if _insert(echelon, {j: int(s[0]) for j, s in row.items()})
         }
         found += [(order, output) for output in fresh]
         if not fresh or len(found) == exact.n:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from flint import nmod_poly
 
 from obscli.exact.errors import UndecidedError
-from obscli.exact.saturation import saturate
+from obscli.exact.saturation import stays_independent
 from obscli.exact.series import PRIME
 
 
@@ -22,15 +22,16 @@ if TYPE_CHECKING:
     from flint import fmpz_mpoly as Polynomial
 
     from obscli.exact.exact_system import ExactSystem
+    from obscli.exact.saturation import Saturation
 
 _ATTEMPTS = 12
 
 
-def full_rank_on(exact: ExactSystem, polynomial: Polynomial, rank: int) -> bool:
+def full_rank_on(exact: ExactSystem, polynomial: Polynomial, saturation: Saturation) -> bool:
     """Whether the rank is full at some random point of polynomial = 0 modulo a prime."""
     for chosen in points_on(exact, polynomial, attempts=2):
         try:
-            if saturate(exact, chosen=chosen).rank == rank:
+            if stays_independent(exact, saturation, chosen):
                 return True
         except UndecidedError:
             continue
