@@ -53,7 +53,9 @@ def check_certificate(
 
 
 def _check(system: System, certificate: Certificate, combinations: Sequence[Covector] | None) -> None:
-    _require(certificate.model == fingerprint(system), "it is about another system (digest of A, H and names)")
+    _require(
+        certificate.model == fingerprint(system), "it is about another system (digest of A, H and names)"
+    )
     _check_shape(system, certificate)
     exact = _read(system, certificate, combinations)
     _require(

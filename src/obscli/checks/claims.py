@@ -15,7 +15,7 @@ from obscli.exact.analysis import Options, analyze
 from obscli.exact.echelon import PolyRow, reduced_echelon
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.exact_system import ExactSystem, Row, read_system
-from obscli.exact.field import common_denominator
+from obscli.exact.field import Element, common_denominator
 from obscli.exact.finding import Analysis, Undecided
 from obscli.exact.kernel import dot
 from obscli.model.expression import Expression
@@ -61,7 +61,9 @@ def _values(claim: Claim) -> Mapping[str, Expression]:
     return claim.at if isinstance(claim.at, Mapping) else {}
 
 
-def _check_claim(claim: Claim, ground: Analysis | Undecided, special: Specialisation) -> Iterator[CheckResult]:
+def _check_claim(
+    claim: Claim, ground: Analysis | Undecided, special: Specialisation
+) -> Iterator[CheckResult]:
     suffix = f" at {where}" if (where := _where(claim.at)) else ""
     if isinstance(ground, Undecided):
         yield CheckResult(f"claim{suffix}", "undecided", ground.reason, claim.place)
@@ -78,12 +80,16 @@ class _Checker:
     def __init__(self, claim: Claim, analysis: Analysis, special: Specialisation, suffix: str) -> None:
         self.claim, self.analysis, self.suffix = claim, analysis, suffix
         self.image = {id(q): special.covector(q.coefficients) for q in _quantities(claim)}
-        covectors = [*self.image.values(), *analysis.unobservable, *(c.coefficients for c in analysis.combinations)]
+        covectors = [
+            *self.image.values(),
+            *analysis.unobservable,
+            *(c.coefficients for c in analysis.combinations),
+        ]
         self.exact: ExactSystem = read_system(analysis.system, [e for c in covectors for e in c.values()])
         self.kernel = [self.row(direction) for direction in analysis.unobservable]
         self.basis = [self.row(c.coefficients) for c in analysis.combinations]
 
-    def row(self, covector: Covector) -> dict[int, object]:
+    def row(self, covector: Covector) -> dict[int, Element]:
         """Return a linear form as field elements by column."""
         index = {name: j for j, name in enumerate(self.analysis.system.state_names)}
         row = {index[name]: self.exact.interpreter.read(entry) for name, entry in covector.items()}
@@ -177,8 +183,10 @@ class _Checker:
         seen = next((k for k, row in enumerate(self.basis) if dot(self.exact.field, row, column)), None)
         reason = "" if column else "it is zero"
         if seen is not None:
-            reason = f"the observable combination {_covector(self.analysis.combinations[seen].coefficients)} changes along it"
-        text = f"direction ({', '.join(f'{s}: {to_text(e)}' for s, e in quantity.coefficients.items())}) is unobservable"
+            combination = _covector(self.analysis.combinations[seen].coefficients)
+            reason = f"the observable combination {combination} changes along it"
+        written = ", ".join(f"{s}: {to_text(e)}" for s, e in quantity.coefficients.items())
+        text = f"direction ({written}) is unobservable"
         return self._verdict(text, column and seen is None, reason, quantity.place)
 
 

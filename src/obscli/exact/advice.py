@@ -1,4 +1,4 @@
-"""What to do with the result: the decision scheme of Bagmut (2009, introduction), in two or three lines.
+"""What to do with the result: the decision scheme of Bagmut (2009, introduction), in a few lines.
 
 Observable: design the estimator. Otherwise: extend the measurements or the motion so that the
 unobservable states are seen, or leave them out of the estimator. (Whether unobservable states die out by
@@ -7,6 +7,7 @@ themselves, so that an estimator may carry them, is the question of detectabilit
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 
@@ -14,61 +15,75 @@ if TYPE_CHECKING:
     from obscli.exact.finding import Analysis
 
 _MOST_NAMES = 6
+_MOST_GROUPS = 3
 
 
 def advise(analysis: Analysis) -> tuple[str, ...]:
-    """Return two or three lines of advice."""
+    """Return a few lines of advice: estimate, measure or move, leave out."""
     n = analysis.system.n
     missing = n - analysis.rank
     if not missing:
-        return ("Every state is observable: an estimator of the full state can be designed.", *_weakness(analysis))
-    direct = measurable(analysis)
-    lines = [
-        f"{missing} of {n} directions cannot be estimated from these outputs; estimate the "
-        f"{analysis.rank} combinations above, not the states in them."
-    ]
-    if direct:
-        lines.append(f"To see more: one more output that measures {_or(direct)} adds one combination each.")
-    else:
-        lines.append(f"To see more: add outputs or motion that separate the groups; {missing} are missing.")
-    lines.append(_reduction(analysis))
-    return (*lines, *_weakness(analysis))
+        return (
+            "Every state is observable: an estimator of the full state can be designed.",
+            *_at_values(analysis),
+        )
+    alone = [state for state, verdict in analysis.states.items() if verdict == "unobservable"]
+    return (
+        f"Estimate the {analysis.rank} combinations above, not the {n} states: {missing} directions of the "
+        "state leave no trace in the outputs.",
+        *_measure(analysis, alone),
+        *_leave_out(analysis, alone),
+        *_at_values(analysis),
+    )
 
 
-def measurable(analysis: Analysis) -> list[str]:
-    """Return states, one for each unobservable direction, whose measurement would add a combination."""
-    taken: list[str] = []
-    for direction in analysis.unobservable:
-        pivots = [name for name in direction if name not in taken]
-        if pivots:
-            taken.append(pivots[-1])
-    return taken
+def missing_in_group(analysis: Analysis, group: Sequence[str]) -> int:
+    """Return how many unobservable directions lie in a group of coupled states."""
+    return sum(any(state in direction for state in group) for direction in analysis.unobservable)
 
 
-def _reduction(analysis: Analysis) -> str:
-    alone = [s for s, verdict in analysis.states.items() if verdict == "unobservable"]
-    coupled = [s for s in measurable(analysis) if s not in alone]
+def _measure(analysis: Analysis, alone: list[str]) -> list[str]:
+    """Say which measurement would separate which group, and that the rest needs another motion."""
+    parts = []
+    for group in analysis.groups[:_MOST_GROUPS]:
+        missing = missing_in_group(analysis, group)
+        seen = list(dict.fromkeys(s for d in analysis.unobservable for s in d if s in group))
+        if missing:
+            many = "one more output" if missing == 1 else f"{missing} more outputs"
+            parts.append(f"{many} among {_join(seen, 'and')}")
+    if len(analysis.groups) > _MOST_GROUPS:
+        parts.append(f"the like for {len(analysis.groups) - _MOST_GROUPS} more groups")
+    lines = [f"To separate the coupled states, measure {'; '.join(parts)}."] if parts else []
+    if alone:
+        lines.append(
+            f"{_join(alone, 'and')}: no output contains {'it' if len(alone) == 1 else 'them'}, at any order; "
+            "only another motion or orientation, or an output that contains "
+            f"{'it' if len(alone) == 1 else 'them'}, would show {'it' if len(alone) == 1 else 'them'}."
+        )
+    return lines
+
+
+def _leave_out(analysis: Analysis, alone: list[str]) -> list[str]:
+    """Say which states a reduced estimator can do without: the free states of the kernel."""
+    free = [next(iter(reversed(direction))) for direction in analysis.unobservable]
+    coupled = [state for state in free if state not in alone]
     parts = []
     if alone:
-        parts.append(f"drop {_and(alone)} (in no combination)")
+        parts.append(f"drop {_join(alone, 'and')}")
     if coupled:
-        parts.append(f"fix one state of each group, for example {_and(coupled)}, if its value is known or small")
-    return f"To reduce the estimator: {'; '.join(parts)}."
+        parts.append(f"fix {_join(coupled, 'and')} where their values are known or small")
+    return [f"For an estimator of {analysis.rank} states instead: {', and '.join(parts)}."]
 
 
-def _weakness(analysis: Analysis) -> tuple[str, ...]:
-    if analysis.at_values.rank is not None and analysis.at_values.rank < analysis.rank:
-        because = ", ".join(analysis.at_values.because) or "the values of the file"
-        return (f"At the file's values the rank drops to {analysis.at_values.rank} ({because}): change these values.",)
-    return ()
-
-
-def _or(names: list[str]) -> str:
-    return _join(names, "or")
-
-
-def _and(names: list[str]) -> str:
-    return _join(names, "and")
+def _at_values(analysis: Analysis) -> list[str]:
+    at_values = analysis.at_values
+    if at_values.rank is None or at_values.rank == analysis.rank:
+        return []
+    because = ", ".join(at_values.because) or "together"
+    return [
+        f"The file's values ({because}) cost {analysis.rank - at_values.rank} of the rank: change them to "
+        f"reach {analysis.rank}."
+    ]
 
 
 def _join(names: list[str], word: str) -> str:

@@ -12,13 +12,14 @@ from obscli.exact.critical import search_critical_values
 from obscli.exact.echelon import PolyRow
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.field import Element
-from obscli.exact.finding import Analysis, Combination, CriticalSearch, Neglect, Undecided
+from obscli.exact.finding import Analysis, Combination, Neglect, Undecided
 from obscli.exact.kernel import dot
 from obscli.exact.nominal import rank_at_values
 from obscli.exact.origin import first_rows
 from obscli.exact.prove import Proof, certificate, prove
 from obscli.exact.saturation import saturate
 from obscli.exact.verdicts import groups, quantity_verdict, state_verdicts
+from obscli.model.expression import Expression
 from obscli.model.notation import to_text
 from obscli.model.system import Covector, Quantity, System
 
@@ -61,7 +62,7 @@ def analyze(
     return _describe(proof, options, progress)
 
 
-def _extra(system: System, options: Options) -> list[object]:
+def _extra(system: System, options: Options) -> list[Expression]:
     preferred = options.basis if isinstance(options.basis, tuple) else ()
     return [e for q in (*system.quantities, *preferred) for e in q.coefficients.values()]
 
@@ -139,9 +140,11 @@ def _is_constant(proof: Proof, covector: Covector) -> bool:
 def _varying(proof: Proof) -> tuple[str, ...]:
     """Name what varies in time: time itself, functions, angles and exponents."""
     exact = proof.exact
+    entries = [e for row in (*exact.A, *exact.H) for e in row.values()]
     found = []
     for k, generator in enumerate(exact.field.generators):
-        if not exact.field.varies(k) or (generator.kind == "jet" and generator.order):
+        occurs = any(max(e.num.degrees()[k], e.den.degrees()[k]) > 0 for e in entries)
+        if not occurs or not exact.field.varies(k):
             continue
         if generator.kind == "angle" and generator.argument is not None:
             found.append(f"sin, cos of {to_text(generator.argument)}")
@@ -155,7 +158,10 @@ def _notes(system: System) -> tuple[str, ...]:
     if not any(f.derivative is None for f in system.functions):
         return ()
     names = ", ".join(f.name for f in system.functions if f.derivative is None)
-    return (f"The rank holds for generic {names}; relations among them that the file does not state can lower it.",)
+    return (
+        f"The rank holds for generic {names}; relations among them that the file does not state "
+        "can lower it.",
+    )
 
 
 def compare(before: Analysis, after: Analysis, substitution: str) -> Neglect:

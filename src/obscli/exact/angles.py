@@ -17,16 +17,15 @@ from fractions import Fraction
 from math import gcd, lcm
 from typing import TYPE_CHECKING, TypeAlias
 
-from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.errors import UndecidedError
 from obscli.exact.field import Element, Generator
 from obscli.exact.missing import MissingError, RefineError
 from obscli.model.expression import Apply, Expression, Number, divide, multiply, number
 
 
 if TYPE_CHECKING:
-    from flint import fmpz_mpoly as Polynomial
-
     from obscli.exact.interpreter import Interpreter
+    from obscli.exact.polynomial import Polynomial
 
 #: A multiple of a base angle beyond this is taken as an angle of its own (kept apart, hence only generic).
 LARGEST_MULTIPLE = 24
@@ -35,15 +34,12 @@ CosSin: TypeAlias = tuple[Element, Element]
 
 
 def trigonometric(it: Interpreter, function: str, argument: Element) -> Element:
-    """Return sin, cos or tan of an element."""
+    """Return sin, cos or tan of an element; tan u = sin 2u/(1 + cos 2u), so that tan(b/2) reads as τ."""
+    if function == "tan":
+        cosine, sine = cosine_sine(it, argument + argument)
+        return sine / (it.field.one + cosine)
     cosine, sine = cosine_sine(it, argument)
-    if function == "cos":
-        return cosine
-    if function == "sin":
-        return sine
-    if not cosine:
-        raise UndefinedError
-    return sine / cosine
+    return cosine if function == "cos" else sine
 
 
 def cosine_sine(it: Interpreter, argument: Element) -> CosSin:
@@ -159,7 +155,7 @@ def _atom_cosine_sine(it: Interpreter, coefficient: Fraction, atom: str, element
 
 def _single_generator(it: Interpreter, element: Element) -> Generator | None:
     """Return the generator that an element is, if it is one."""
-    if element.den != 1:
+    if not element.den.is_one():
         return None
     for k, gen in enumerate(it.field.ctx.gens()):
         if element.num == gen and k < len(it.field.generators):
@@ -250,5 +246,6 @@ def _rational_turn(it: Interpreter, turn: Fraction) -> CosSin | None:
 def undecided_sign(what: str) -> UndecidedError:
     """Return the error for a root whose sign is not known."""
     return UndecidedError(
-        f"the sign of {what} is not known, so its root is not determined; give `assume: positive` where it holds"
+        f"the sign of {what} is not known, so its root is not determined; "
+        "give `assume: positive` where it holds"
     )

@@ -38,13 +38,17 @@ def sparse_basis(exact: ExactSystem, rows: Mapping[int, PolyRow]) -> list[PolyRo
 
 
 def preferred_basis(
-    exact: ExactSystem, rows: Mapping[int, PolyRow], kernel: Mapping[int, PolyRow], preferred: Sequence[Quantity]
+    exact: ExactSystem,
+    rows: Mapping[int, PolyRow],
+    kernel: Mapping[int, PolyRow],
+    preferred: Sequence[Quantity],
 ) -> tuple[list[PolyRow], list[str]]:
     """Return the user's rows that are observable, completed to a basis, and remarks on those left out."""
     index = {state.name: j for j, state in enumerate(exact.system.states)}
     one = exact.field.one_polynomial
     columns = [{i: Element(exact.field, p, one) for i, p in column.items()} for column in kernel.values()]
-    chosen, notes = [], []
+    chosen: list[PolyRow] = []
+    notes: list[str] = []
     for quantity in preferred:
         elements = {index[s]: exact.interpreter.read(e) for s, e in quantity.coefficients.items()}
         elements = {j: e for j, e in elements.items() if e}

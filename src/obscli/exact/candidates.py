@@ -17,26 +17,22 @@ from obscli.exact.roots import evident_sign
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from flint import fmpz_mpoly as Polynomial
+    from flint import fmpz
 
     from obscli.exact.exact_system import ExactSystem
     from obscli.exact.field import Field
+    from obscli.exact.polynomial import Polynomial
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
     """An irreducible polynomial in constant generators whose zeros are to be tried.
 
-    ``collapse``: the generators themselves become dependent there, so only a rerun can tell.
+    At a ``collision`` the generators themselves become dependent, so only a rerun can tell.
     """
 
     polynomial: Polynomial
     origin: Literal["divisor", "denominator", "collision"]
-
-    @property
-    def collapse(self) -> bool:
-        """Whether the field changes on the hypersurface."""
-        return self.origin == "collision"
 
 
 def content_candidates(
@@ -58,15 +54,15 @@ def time_content(field: Field, polynomial: Polynomial) -> Polynomial:
     varying = [k for k in range(len(field.generators)) if field.varies(k)]
     if not varying or polynomial.is_zero():
         return polynomial
-    groups: dict[tuple[int, ...], dict[tuple[int, ...], int]] = {}
+    groups: dict[tuple[int, ...], dict[tuple[int, ...], fmpz]] = {}
     for exponents, coefficient in polynomial.terms():
         key = tuple(exponents[k] for k in varying)
         rest = tuple(0 if k in set(varying) else e for k, e in enumerate(exponents))
         groups.setdefault(key, {})[rest] = coefficient
     content = None
     for part in sorted(groups.values(), key=len):
-        coefficient = field.ctx.from_dict(part)
-        content = coefficient if content is None else content.gcd(coefficient)
+        gathered = field.ctx.from_dict(part)
+        content = gathered if content is None else content.gcd(gathered)
         if content.is_constant():
             break
     assert content is not None

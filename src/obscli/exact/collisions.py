@@ -21,9 +21,8 @@ from obscli.exact.field import Element
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from flint import fmpz_mpoly as Polynomial
-
     from obscli.exact.exact_system import ExactSystem
+    from obscli.exact.polynomial import Polynomial
 
 #: A prime with p = 1 (mod 4), so that i = √-1 exists, and that root.
 _PRIME = 2305843009213693921
@@ -40,6 +39,14 @@ def collision_candidates(
     found: dict[str, Candidate] = {}
     left_out: list[str] = []
     field = exact.field
+    ruled = [
+        field.derivative(k)
+        for k, g in enumerate(field.generators)
+        if g.kind == "function" and field.varies(k)
+    ]
+    found.update(content_candidates(exact, [rate.num for rate in ruled], "collision"))
+    if any(_has_parameters(exact, rate) for rate in ruled):
+        left_out.append("parameter values at which functions given by a rule become dependent")
     for kind in ("angle", "exponential", "primitive"):
         indices = [k for k, g in enumerate(field.generators) if g.kind == kind and field.varies(k)]
         if not indices:
@@ -56,6 +63,13 @@ def collision_candidates(
             if combined:
                 found.update(content_candidates(exact, [combined.num], "collision"))
     return found, tuple(left_out)
+
+
+def _has_parameters(exact: ExactSystem, element: Element) -> bool:
+    degrees = zip(element.num.degrees(), element.den.degrees(), strict=True)
+    return any(
+        max(pair) > 0 and exact.field.generators[k].kind == "parameter" for k, pair in enumerate(degrees)
+    )
 
 
 def _rate(exact: ExactSystem, k: int) -> Element:
@@ -101,7 +115,7 @@ def _harmonics(polynomial: Polynomial, indices: Sequence[int]) -> Iterable[Harmo
     The other generators take fixed values modulo a prime; a harmonic lost by accident is lost with
     probability of about 2^-61.
     """
-    ctx = nmod_mpoly_ctx.get([f"z{k}" for k in indices], _PRIME, Ordering.lex)
+    ctx = nmod_mpoly_ctx.get([f"z{k}" for k in indices], _PRIME, Ordering.lex)  # type: ignore[call-arg, arg-type]
     tops = [int(polynomial.degrees()[k]) for k in indices]
     i = pow(_non_residue(), (_PRIME - 1) // 4, _PRIME)
     total = ctx.constant(0)

@@ -26,15 +26,14 @@ from obscli.exact.identities import search_identities
 from obscli.exact.instants import search_instants
 from obscli.exact.rerun import rerun
 from obscli.exact.screen import full_rank_on
-from obscli.exact.solve import Solution, points_at_infinity, solve
+from obscli.exact.solve import Solution, points_at_infinity, proved_definite, solve, takes_both_signs
 from obscli.exact.tidy import merge_opposite_angles
-from obscli.model.expression import add, negate
+from obscli.model.expression import Symbol, add, negate, symbols
 from obscli.model.notation import to_text
 
 
 if TYPE_CHECKING:
-    from flint import fmpz_mpoly as Polynomial
-
+    from obscli.exact.polynomial import Polynomial
     from obscli.exact.prove import Proof
 
 
@@ -46,14 +45,17 @@ class _Search:
 
 
 def search_critical_values(proof: Proof, progress: Callable[[str], None]) -> CriticalSearch:
-    """Search the parameter values, the identities among functions and the instants at which the rank drops."""
+    """Search parameter values, identities among functions and instants at which the rank drops."""
     search = _Search(proof, [], complete=True)
     candidates, left_out = _candidates(proof)
     for candidate in candidates:
         progress(f"critical values: {_condition(proof, candidate.polynomial)}")
         _try(search, candidate)
-    for solution in points_at_infinity(proof.exact.interpreter):
-        _confirm(search, solution, allowed=True)
+    for condition, solution in points_at_infinity(proof.exact.interpreter):
+        if solution is None:
+            _leave_open(search, condition, "it could not be solved for a parameter")
+        else:
+            _confirm(search, solution, allowed=True)
     identities, unsearched = search_identities(proof, progress)
     values = (*merge_opposite_angles(search.values), *identities)
     not_searched = (*left_out, *unsearched, *_codimension(proof))
@@ -89,17 +91,40 @@ def _try(search: _Search, candidate: Candidate) -> None:
                 (),
                 "A or H does not exist there",
                 zero=expression,
-            )  # fmt: skip
+            )
         )
         return
-    if not candidate.collapse and full_rank_on(proof.exact, polynomial, proof.saturation):
+    interpreter = proof.exact.interpreter
+    if _keeps_generators(proof, candidate) and full_rank_on(proof.exact, polynomial, proof.saturation):
         return
-    solutions = solve(proof.exact.interpreter, polynomial)
+    if not takes_both_signs(interpreter, polynomial) and len(polynomial) > 1:
+        if not proved_definite(interpreter, polynomial):
+            _leave_open(search, _condition(proof, polynomial), "it is not known whether it has real zeros")
+        return
+    solutions = solve(interpreter, polynomial)
     if not solutions:
         _leave_open(search, _condition(proof, polynomial), "it could not be solved for a parameter")
     allowed = allowed_by_assumptions(proof.exact, polynomial)
     for solution in solutions:
         _confirm(search, solution, allowed=allowed)
+
+
+def _keeps_generators(proof: Proof, candidate: Candidate) -> bool:
+    """Whether the generators stay independent on the hypersurface, so that the screen is conclusive.
+
+    They may not where a parameter in the polynomial occurs in the argument of an angle, an exponent or a
+    primitive as well (on phi = 0 the tangent of phi/2 is 0).
+    """
+    if candidate.origin == "collision":
+        return False
+    generators = proof.exact.field.generators
+    named = {
+        generators[k].name
+        for k, degree in enumerate(candidate.polynomial.degrees())
+        if degree > 0 and generators[k].kind == "parameter"
+    }
+    arguments = [g.argument for g in generators if g.argument is not None and g.kind != "root"]
+    return not named & symbols(*arguments)
 
 
 def _confirm(search: _Search, solution: Solution, *, allowed: bool) -> None:
@@ -114,8 +139,6 @@ def _confirm(search: _Search, solution: Solution, *, allowed: bool) -> None:
         return
     if result is None:
         return
-    from obscli.model.expression import Symbol  # noqa: PLC0415
-
     search.values.append(
         CriticalValue(
             condition,

@@ -17,7 +17,7 @@ from obscli.exact.field import MOST_TERMS, Field, least_common_multiple
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from flint import fmpz_mpoly as Polynomial
+    from obscli.exact.polynomial import Polynomial
 
 #: A sparse row of polynomials by column.
 PolyRow: TypeAlias = "dict[int, Polynomial]"
@@ -92,7 +92,7 @@ class Echelon:
         content = None
         for entry in sorted(row.values(), key=len):
             content = entry if content is None else content.gcd(entry)
-            if content == 1:
+            if content.is_one():
                 return None
         if content is None:
             raise UndecidedError("a row found independent modulo a prime vanished exactly")

@@ -23,10 +23,10 @@ from obscli.exact.field import common_denominator, least_common_multiple
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flint import fmpz_mpoly as Polynomial
-
     from obscli.exact.exact_system import ExactSystem, Row
+    from obscli.exact.polynomial import Polynomial
     from obscli.exact.saturation import Saturation
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Flag:

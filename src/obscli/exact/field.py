@@ -23,14 +23,15 @@ from obscli.exact.errors import UndecidedError, UndefinedError
 if TYPE_CHECKING:
     from fractions import Fraction
 
-    from flint import fmpz_mpoly as Polynomial
-
+    from obscli.exact.polynomial import Polynomial
     from obscli.model.expression import Expression
 
 #: A polynomial of more terms than this ends the attempt: the system is too large for exact algebra.
 MOST_TERMS = 200_000
 
-Kind: TypeAlias = Literal["time", "parameter", "jet", "function", "angle", "exponential", "primitive", "root", "pi"]
+Kind: TypeAlias = Literal[
+    "time", "parameter", "jet", "function", "angle", "exponential", "primitive", "root", "pi"
+]
 
 
 _WRITING_ORDER: tuple[Kind, ...] = (
@@ -168,9 +169,9 @@ class Field:
             return self.zero
         if len(num) > MOST_TERMS or len(den) > MOST_TERMS:
             raise UndecidedError("an expression grew too large for exact algebra")
-        if den != 1:
+        if not den.is_one():
             common = num.gcd(den)
-            if common != 1:
+            if not common.is_one():
                 num, den = num / common, den / common
             if den.leading_coefficient() < 0:
                 num, den = -num, -den
@@ -204,7 +205,9 @@ class Field:
             conjugate = self.conjugate(polynomial, index, relation)
             product = self.reduce(polynomial * conjugate)
             if product.is_zero():
-                raise UndecidedError("two roots in the model depend on each other in a way that was not found")
+                raise UndecidedError(
+                    "two roots in the model depend on each other in a way that was not found"
+                )
             polynomial = product
             multiplier = conjugate if multiplier is None else self.reduce(multiplier * conjugate)
         return multiplier
@@ -218,9 +221,14 @@ class Field:
         return self.reduce(polynomial.compose(*images))
 
     def norm(self, polynomial: Polynomial) -> Polynomial:
-        """Return the polynomial multiplied by its conjugates: free of quadratic roots, zero where it is."""
-        multiplier = self.rationaliser(polynomial) if self._relations else None
-        return polynomial if multiplier is None else self.reduce(polynomial * multiplier)
+        """Return the norm over the field without roots: zero exactly where the polynomial is.
+
+        The resultant with g^d - … is the product of the polynomial over all conjugates of g.
+        """
+        for index, relation in self._relations:
+            if polynomial.degrees()[index] > 0:
+                polynomial = polynomial.resultant(relation, index)
+        return polynomial
 
     @property
     def has_roots(self) -> bool:
@@ -248,7 +256,7 @@ class Field:
     def derive(self, element: Element) -> Element:
         """Return the time derivative of an element."""
         numerator = self._derive_polynomial(element.num)
-        if element.den == 1:
+        if element.den.is_one():
             return numerator
         den = Element(self, element.den, self.one_polynomial)
         return (numerator - element * self._derive_polynomial(element.den)) / den
@@ -269,8 +277,8 @@ def common_denominator(elements: Iterable[Element], one: Polynomial) -> Polynomi
 
 def least_common_multiple(a: Polynomial, b: Polynomial) -> Polynomial:
     """Return a least common multiple of two nonzero polynomials."""
-    if a == b or b == 1:
+    if a == b or b.is_one():
         return a
-    if a == 1:
+    if a.is_one():
         return b
     return a * (b / a.gcd(b))

@@ -22,8 +22,7 @@ from obscli.model.notation import to_text
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from flint import fmpz_mpoly as Polynomial
-
+    from obscli.exact.polynomial import Polynomial
     from obscli.exact.prove import Proof
 
 _LARGEST_SET = 3

@@ -10,14 +10,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from obscli.exact.errors import UndecidedError
+from obscli.exact.roots import evident_sign
 from obscli.exact.saturation import rank_at_instant, stays_independent
 from obscli.exact.screen import points_on
 from obscli.model.notation import to_text
 
 
 if TYPE_CHECKING:
-    from flint import fmpz_mpoly as Polynomial
-
+    from obscli.exact.polynomial import Polynomial
     from obscli.exact.prove import Proof
 
 _MOST_FACTORS = 40
@@ -30,7 +30,7 @@ def search_instants(proof: Proof) -> tuple[str, ...]:
         return ()
     found = []
     for factor in _factors(proof):
-        chosen = next(iter(points_on(proof.exact, factor)), None)
+        chosen = next(iter(points_on(factor)), None)
         if chosen is None:
             continue
         try:
@@ -52,11 +52,14 @@ def _factors(proof: Proof) -> list[Polynomial]:
         for factor, _ in field.norm(divisor).factor()[1]:
             used = [k for k, degree in enumerate(factor.degrees()) if degree > 0]
             kinds = {field.generators[k].kind for k in used}
-            if kinds <= _KINDS and any(field.varies(k) for k in used) and _may_vanish(factor):
+            if kinds <= _KINDS and any(field.varies(k) for k in used) and _may_vanish(proof, factor):
                 found.setdefault(str(factor), factor)
     return list(found.values())[:_MOST_FACTORS]
 
 
-def _may_vanish(factor: Polynomial) -> bool:
-    signs = {c > 0 for c in factor.coeffs()}
-    return len(signs) == 2 or any(e % 2 for exponents in factor.monoms() for e in exponents)
+def _may_vanish(proof: Proof, factor: Polynomial) -> bool:
+    """Whether the factor is not of one evident sign: a single exponential, a sum of squares."""
+    if len(factor) == 1:
+        used = [k for k, degree in enumerate(factor.degrees()) if degree > 0]
+        return not all(proof.exact.field.generators[k].kind == "exponential" for k in used)
+    return evident_sign(proof.exact.interpreter, factor) is None

@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from obscli.exact.angles import exponential, hyperbolic, trigonometric
-from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
+from obscli.exact.errors import JetOverflowError, UndecidedError
 from obscli.exact.field import Element, Field, Generator
 from obscli.exact.missing import MissingError, RefineError
 from obscli.exact.primitives import primitive
@@ -41,8 +41,9 @@ from obscli.model.expression import (
 
 
 if TYPE_CHECKING:
-    from flint import fmpz_mpoly as Polynomial
+    from flint import fmpz
 
+    from obscli.exact.polynomial import Polynomial
     from obscli.model.system import System
 
 _TRIGONOMETRIC = frozenset({"sin", "cos", "tan"})
@@ -113,7 +114,9 @@ class Interpreter:
                 continue
             for order in range(self.jets + 1):
                 meaning = Derivative(f.name, order) if order else Symbol(f.name)
-                generators.append(Generator(_jet(f.name, order), "jet", meaning, function=f.name, order=order))
+                generators.append(
+                    Generator(_jet(f.name, order), "jet", meaning, function=f.name, order=order)
+                )
         return generators
 
     def _relation(self, generator: Generator) -> Polynomial:
@@ -121,7 +124,7 @@ class Interpreter:
         relation = g**generator.order
         for k, coefficient in enumerate(generator.relation):
             element = self.read(coefficient)
-            if element.den != 1:
+            if not element.den.is_one():
                 raise UndecidedError(f"the root {generator.name} has a denominator in its relation")
             relation = relation - element.num * g**k
         return relation
@@ -173,7 +176,11 @@ class Interpreter:
     def _name_root(self, name: str) -> None:
         """Print the root ρ in f = (u + v ρ)/w as (w f - u)/v, so that results speak of f."""
         element = self.read(self.definitions[name])
-        roots = [k for k, d in enumerate(element.num.degrees()) if d > 0 and self.field.generators[k].kind == "root"]
+        roots = [
+            k
+            for k, d in enumerate(element.num.degrees())
+            if d > 0 and self.field.generators[k].kind == "root"
+        ]
         if not roots:
             return
         u, v = (self.expression(c) for c in polynomial_coefficients(element.num, roots[0])[:2])
@@ -191,7 +198,9 @@ class Interpreter:
             if (index := self.field.index.get(f.name)) is not None and degrees[index] in (1, 2)
         ]
         if not candidates:
-            raise UndecidedError("an invariant can be used only if it is linear or quadratic in some function")
+            raise UndecidedError(
+                "an invariant can be used only if it is linear or quadratic in some function"
+            )
         return min(candidates, key=lambda candidate: candidate[:2])[2]
 
     def _check_invariant_rule(self, name: str) -> None:
@@ -341,7 +350,7 @@ def _jet(name: str, order: int) -> str:
 def polynomial_coefficients(polynomial: Polynomial, index: int) -> list[Polynomial]:
     """Return the coefficients of a polynomial in one variable, by rising degree."""
     degree = polynomial.degrees()[index]
-    parts: list[dict[tuple[int, ...], int]] = [{} for _ in range(degree + 1)]
+    parts: list[dict[tuple[int, ...], fmpz]] = [{} for _ in range(degree + 1)]
     for exponents, coefficient in polynomial.terms():
         rest = (*exponents[:index], 0, *exponents[index + 1 :])
         parts[exponents[index]][rest] = coefficient

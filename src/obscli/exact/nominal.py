@@ -21,6 +21,7 @@ from obscli.model.specialise import Specialisation, at_nominal
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from obscli.model.expression import Expression
     from obscli.model.system import Parameter, System
 
 
@@ -29,7 +30,7 @@ def rank_at_values(proof: Proof, critical: CriticalSearch | None) -> AtValues:
     system = proof.exact.system
     missing = [p.name for p in _used(proof) if p.nominal is None]
     if missing:
-        return AtValues(None, (), f"no value for {', '.join(missing)}")
+        return AtValues(None, (), f"no value for {', '.join(missing)}; give one with --set {missing[0]}=…")
     if not _used(proof):
         return AtValues(proof.rank, ())
     try:
@@ -59,20 +60,19 @@ def _rank(proof: Proof, special: System, critical: CriticalSearch | None) -> AtV
 def _because(proof: Proof, rank: int, critical: CriticalSearch | None) -> tuple[str, ...]:
     """Name the critical conditions that hold at the values, else the fewest values that lower the rank."""
     if critical is not None:
-        system = proof.exact.system
-        nominal = at_nominal(system)
+        nominal = at_nominal(proof.exact.system)
         found = tuple(
             value.condition
             for value in critical.values
-            if value.zero is not None and value.rank is not None and _vanishes(system, nominal, value.zero)
+            if value.zero is not None and value.rank is not None and _vanishes(nominal, value.zero)
         )
         if found:
             return found
     return _fewest_values(proof, rank)
 
 
-def _vanishes(system: System, nominal: Specialisation, zero: object) -> bool:
-    expression = nominal.expression(zero)  # type: ignore[arg-type]
+def _vanishes(nominal: Specialisation, zero: Expression) -> bool:
+    expression = nominal.expression(zero)
     try:
         return not Interpreter(nominal.system(), [expression]).read(expression)
     except (UndecidedError, UndefinedError):
@@ -94,5 +94,5 @@ def _fewest_values(proof: Proof, rank: int) -> tuple[str, ...]:
     return tuple(_equations(fixed.items()))
 
 
-def _equations(pairs: Iterable[tuple[str, object]]) -> list[str]:
-    return [f"{name} = {to_text(value)}" for name, value in pairs]  # type: ignore[arg-type]
+def _equations(pairs: Iterable[tuple[str, Expression]]) -> list[str]:
+    return [f"{name} = {to_text(value)}" for name, value in pairs]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from flint import fmpq_mat, fmpq
+from flint import fmpq, fmpq_mat
 
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.field import Element, Generator
@@ -21,6 +21,7 @@ from obscli.model.expression import Apply, Expression, divide, number
 
 if TYPE_CHECKING:
     from obscli.exact.interpreter import Interpreter
+    from obscli.exact.polynomial import Polynomial
 
 _HALF = Fraction(1, 2)
 
@@ -63,12 +64,12 @@ def _logarithm(it: Interpreter, argument: Element) -> Element:
         if generator is not None:
             assert generator.argument is not None
             result = result + field.rational(exponent) * it.read(generator.argument)
-        elif factor != -1:
+        elif not (-factor).is_one():
             rest = rest * element**exponent
     return result + _combination_of_logarithms(it, rest) if rest != field.one else result
 
 
-def _exponential_generator(it: Interpreter, factor: object) -> Generator | None:
+def _exponential_generator(it: Interpreter, factor: Polynomial) -> Generator | None:
     for k, generator in enumerate(it.field.generators):
         if generator.kind == "exponential" and factor == it.field.ctx.gen(k):
             return generator
@@ -91,7 +92,7 @@ def _combination_of_logarithms(it: Interpreter, argument: Element) -> Element:
 
 
 def _exponents(element: Element) -> dict[str, int]:
-    return {str(factor): exponent for factor, exponent in _factors(element) if factor != -1}
+    return {str(factor): exponent for factor, exponent in _factors(element) if not (-factor).is_one()}
 
 
 def _solve(vectors: list[dict[str, int]], target: dict[str, int]) -> list[Fraction] | None:
@@ -129,11 +130,12 @@ def _inverse(it: Interpreter, function: str, argument: Element) -> Element:
 
 
 def _known_angle(it: Interpreter, function: str, argument: Element) -> Element | None:
-    """atan 1 = π/4, asin 1 = π/2, asin 1/2 = π/6; atan of a half-angle tangent is the half angle."""
+    """atan 1 = π/4, asin 1 = π/2, asin 1/2 = π/6."""
     field = it.field
-    turns = {("atan", 1): Fraction(1, 4), ("asin", 1): Fraction(1, 2), ("asin", _HALF): Fraction(1, 6)}
+    one = Fraction(1)
+    turns = {("atan", one): Fraction(1, 4), ("asin", one): Fraction(1, 2), ("asin", _HALF): Fraction(1, 6)}
     for (name, value), turn in turns.items():
-        if name == function and argument == field.rational(Fraction(value)):
+        if name == function and argument == field.rational(value):
             return it.constant_pi() * field.rational(turn)
     return None
 
@@ -145,8 +147,13 @@ def _adjoin(it: Interpreter, function: str, argument: Element, rule: Expression)
         text = it.element_expression(argument)
         raise MissingError(
             Generator(
-                name, "primitive", Apply(function, text), argument=text, function=function,
-                relation=(rule,), numeric=it.is_numeric(argument),
-            )  # fmt: skip
+                name,
+                "primitive",
+                Apply(function, text),
+                argument=text,
+                function=function,
+                relation=(rule,),
+                numeric=it.is_numeric(argument),
+            )
         )
     return it.field.generator(name)

@@ -18,7 +18,7 @@ from obscli.exact.exact_system import ExactSystem, more_jets, read_system
 from obscli.exact.field import Element
 from obscli.exact.finding import Certificate, LowerBound, UpperBound
 from obscli.exact.identity import fingerprint, independent_constants
-from obscli.exact.kernel import Kernel, drift, invariant_kernel, kernel_columns
+from obscli.exact.kernel import Kernel, invariant_kernel, kernel_columns
 from obscli.exact.lower import prove_lower_bound
 from obscli.exact.restore import Restorer
 from obscli.exact.saturation import Saturation, saturate

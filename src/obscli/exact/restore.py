@@ -17,16 +17,18 @@ from typing import TYPE_CHECKING
 
 from flint import Ordering, fmpz_mpoly_ctx
 
+from obscli.exact.interpreter import polynomial_coefficients
 from obscli.model.expression import Apply, Expression, add, divide, multiply, number, power
 
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from flint import fmpz_mpoly as Polynomial
+    from flint import fmpz
 
     from obscli.exact.field import Element, Generator
     from obscli.exact.interpreter import Interpreter
+    from obscli.exact.polynomial import Polynomial
 
 
 class Restorer:
@@ -62,6 +64,19 @@ class Restorer:
         pair = self.row_unscaled([element.num, element.den])
         return divide(pair[0], pair[1])
 
+    def in_one_function(self, polynomial: Polynomial, angle: int) -> tuple[str, list[Polynomial]] | None:
+        """Return a polynomial as one in the cosine, or in the sine, of an angle, if it is, by degree."""
+        restored = self._restore(polynomial, {angle: (polynomial.degrees()[angle] + 1) // 2})
+        place = self._cos[angle]
+        c, s = self._ctx.gen(place), self._ctx.gen(place + 1)
+        for function, index, form in (
+            ("cos", place, restored),
+            ("sin", place + 1, divmod(restored, c * c + s * s - 1)[1]),
+        ):
+            if form.degrees()[2 * place + 1 - index] <= 0:
+                return function, polynomial_coefficients(form, index)
+        return None
+
     def row_unscaled(self, entries: Iterable[Polynomial]) -> list[Expression]:
         """Return polynomials scaled alike by a common factor, without removing content or sign."""
         entries = list(entries)
@@ -75,7 +90,7 @@ class Restorer:
         if not tables:
             return self._ctx.from_dict({self._exponents(e): c for e, c in polynomial.terms()})
         total = self._ctx.constant(0)
-        groups: dict[tuple[int, ...], dict[tuple[int, ...], int]] = {}
+        groups: dict[tuple[int, ...], dict[tuple[int, ...], fmpz]] = {}
         for exponents, coefficient in polynomial.terms():
             angle = tuple(int(exponents[k]) for k in tables)
             groups.setdefault(angle, {})[self._exponents(exponents)] = coefficient
@@ -113,7 +128,7 @@ class Restorer:
                 polynomial = other
         return polynomial
 
-    def _term(self, exponents: tuple[int, ...], coefficient: int) -> Expression:
+    def _term(self, exponents: tuple[int, ...], coefficient: fmpz) -> Expression:
         factors = (power(self._meanings[k], int(e)) for k, e in enumerate(exponents) if e)
         return multiply(number(int(coefficient)), *factors)
 

@@ -20,9 +20,8 @@ from obscli.model.expression import Power
 
 
 if TYPE_CHECKING:
-    from flint import fmpz_mpoly as Polynomial
-
     from obscli.exact.interpreter import Interpreter
+    from obscli.exact.polynomial import Polynomial
 
 
 def rational_power(it: Interpreter, base: Element, exponent: Fraction) -> Element:
@@ -39,7 +38,7 @@ def rational_power(it: Interpreter, base: Element, exponent: Fraction) -> Elemen
         return base
     q = exponent.denominator
     outside, radicand = _take_out_powers(it, base, q)
-    if radicand == 1:
+    if radicand.is_one():
         return outside**exponent.numerator
     root = _square_root(it, radicand) if q == 2 else _root(it, radicand, q)
     return (outside * root) ** exponent.numerator
@@ -129,10 +128,8 @@ def _square_root(it: Interpreter, radicand: Polynomial) -> Element:
         product = product * radicands[name]
         roots = roots * field.generator(name)
     # √w = Π √w_j / |s|  with  Π w_j = w s²
-    outside, rest = _take_out_powers(
-        it, field.fraction(product, radicand), 2
-    )
-    assert rest == 1
+    outside, rest = _take_out_powers(it, field.fraction(product, radicand), 2)
+    assert rest.is_one()
     return roots / outside
 
 
@@ -172,9 +169,14 @@ def _root(it: Interpreter, radicand: Polynomial, q: int) -> Element:
         zeros = (it.expression(it.field.zero.num),) * (q - 1)
         raise MissingError(
             Generator(
-                name, "root", meaning, order=q, relation=(meaning.base, *zeros),
-                positive=q % 2 == 0, numeric=it.is_numeric(element),
-            )  # fmt: skip
+                name,
+                "root",
+                meaning,
+                order=q,
+                relation=(meaning.base, *zeros),
+                positive=q % 2 == 0,
+                numeric=it.is_numeric(element),
+            )
         )
     return it.field.generator(name)
 

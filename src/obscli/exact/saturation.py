@@ -181,7 +181,7 @@ def _differentiate(
 
 
 def _insert(echelon: dict[int, dict[int, int]], row: dict[int, int]) -> bool:
-    """Reduce a row by an echelon form modulo PRIME (pivots 1, by column); insert what remains, if anything."""
+    """Reduce a row by an echelon form modulo PRIME (pivots 1); insert what remains, if anything."""
     row = {j: value for j, value in row.items() if value}
     while row:
         pivot = min(row)

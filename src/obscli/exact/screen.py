@@ -19,9 +19,8 @@ from obscli.exact.series import PRIME
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from flint import fmpz_mpoly as Polynomial
-
     from obscli.exact.exact_system import ExactSystem
+    from obscli.exact.polynomial import Polynomial
     from obscli.exact.saturation import Saturation
 
 _ATTEMPTS = 12
@@ -29,7 +28,7 @@ _ATTEMPTS = 12
 
 def full_rank_on(exact: ExactSystem, polynomial: Polynomial, saturation: Saturation) -> bool:
     """Whether the rank is full at some random point of polynomial = 0 modulo a prime."""
-    for chosen in points_on(exact, polynomial, attempts=2):
+    for chosen in points_on(polynomial, attempts=2):
         try:
             if stays_independent(exact, saturation, chosen):
                 return True
@@ -38,7 +37,7 @@ def full_rank_on(exact: ExactSystem, polynomial: Polynomial, saturation: Saturat
     return False
 
 
-def points_on(exact: ExactSystem, polynomial: Polynomial, attempts: int = 1) -> Iterator[dict[int, int]]:
+def points_on(polynomial: Polynomial, attempts: int = 1) -> Iterator[dict[int, int]]:
     """Yield values modulo PRIME of the generators in a polynomial at random zeros of it."""
     source = random.Random(str(polynomial))  # noqa: S311  (a random point, no secret)
     degrees = polynomial.degrees()

@@ -19,7 +19,7 @@ from obscli.exact.field import Element, Field
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flint import fmpz_mpoly as Polynomial
+    from obscli.exact.polynomial import Polynomial
 
 PRIME = 2305843009213690799
 _ATTEMPTS = 40
@@ -57,7 +57,7 @@ class SeriesPoint:
     def value(self, element: Element) -> nmod_poly:
         """Return the series of an element."""
         num = self._polynomial(element.num, self.length)
-        return num if element.den == 1 else self._quotient(num, element.den, self.length)
+        return num if element.den.is_one() else self._quotient(num, element.den, self.length)
 
     # -- the series of the generators
 
@@ -83,7 +83,9 @@ class SeriesPoint:
         return self._chosen[k] if k in self._chosen else self._random.randrange(2, PRIME)
 
     def _draw_jets(self, name: str) -> None:
-        jets = {g.order: k for k, g in enumerate(self.field.generators) if g.kind == "jet" and g.function == name}
+        jets = {
+            g.order: k for k, g in enumerate(self.field.generators) if g.kind == "jet" and g.function == name
+        }
         top = max(jets)
         series = nmod_poly([self._random.randrange(PRIME) for _ in range(self.length + top)], PRIME)
         for order in range(top + 1):
@@ -112,7 +114,7 @@ class SeriesPoint:
             for k in indices:
                 rule = self.field.derivative(k)
                 num = self._polynomial(rule.num, length)
-                rate = num if rule.den == 1 else self._quotient(num, rule.den, length)
+                rate = num if rule.den.is_one() else self._quotient(num, rule.den, length)
                 updates.append((k, int(rate[length - 1]) * inverse % PRIME))
             for k, coefficient in updates:
                 self.series[k] = self.series[k] + nmod_poly([0] * length + [coefficient], PRIME)

@@ -1,6 +1,6 @@
 """Pairs of opposite angles with the same consequence, written as one condition.
 
-    phi = pi/2 and phi = -pi/2  →  cos(phi) = 0;      phi = 0 and phi = pi  →  sin(phi) = 0
+phi = pi/2 and phi = -pi/2  →  cos(phi) = 0;  phi = 0 and phi = pi  →  sin(phi) = 0
 """
 
 from __future__ import annotations

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from obscli.exact.field import Element
 from obscli.exact.finding import QuantityVerdict, StateVerdict
 from obscli.exact.kernel import dot
-from obscli.exact.field import Element
 
 
 if TYPE_CHECKING:

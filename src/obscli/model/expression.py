@@ -81,10 +81,9 @@ Expression: TypeAlias = Number | Pi | Symbol | Derivative | Sum | Product | Powe
 
 #: Longer nested sums and products are kept nested, so that an expression stays linear in its sharing.
 LONGEST_FLATTENED: Final = 32
-MOST_DERIVED: Final = 200_000
 
 
-class ExpressionTooLarge(Exception):  # noqa: N818 - the reader makes a problem of it
+class ExpressionTooLarge(Exception):  # noqa: N818
     """A derivative that grows beyond what any model needs."""
 
 
@@ -228,8 +227,7 @@ def symbols(*roots: Expression) -> frozenset[str]:
     return frozenset(names)
 
 
-#: Derivatives of the elementary functions, as functions of the argument.
-def _outer_derivative(function: str, u: Expression) -> Expression:
+def _outer_derivative(function: str, u: Expression) -> Expression:  # noqa: C901, PLR0911, PLR0912
     square = power(u, 2)
     match function:
         case "sin":
@@ -271,9 +269,17 @@ class TimeDerivative:
     time : name of the time symbol
     rules : derivative of each function of time that has a rule (``derivative`` in the file)
     functions : names of the functions of time without a rule; they get a ``Derivative`` node
+    most : how many distinct nodes may be derived, None: any number
     """
 
-    def __init__(self, time: str, rules: Mapping[str, Expression], functions: frozenset[str]) -> None:
+    def __init__(
+        self,
+        time: str,
+        rules: Mapping[str, Expression],
+        functions: frozenset[str],
+        most: int | None = None,
+    ) -> None:
+        self._most = most
         self._time = time
         self._rules = rules
         self._functions = functions
@@ -282,7 +288,7 @@ class TimeDerivative:
     def __call__(self, node: Expression) -> Expression:
         """Return the time derivative of the expression."""
         for part in postorder(node, self._memo):
-            if len(self._memo) > MOST_DERIVED:
+            if self._most is not None and len(self._memo) > self._most:
                 raise ExpressionTooLarge("the time derivative grows beyond any model; derive fewer times")
             self._memo[id(part)] = (part, self._derive(part))
         return self._memo[id(node)][1]

@@ -1,0 +1,126 @@
+"""The public Python interface; the command line is written on it.
+
+>>> import obscli
+>>> report = obscli.analyze("models/ins_calibration/horizontal.yaml")  # doctest: +SKIP
+>>> report.results[0].finding.rank  # doctest: +SKIP
+16
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeAlias
+
+from obscli.core.report import Report
+from obscli.model.system import Model
+from obscli.pipelines import analyze as analyze_pipeline
+from obscli.pipelines import verify as verify_pipeline
+from obscli.pipelines.reading import load as load_changed
+from obscli.pipelines.request import AnalyzeRequest, Changes, Progress, silent
+from obscli.render.format import Surface
+
+
+Source: TypeAlias = str | Path | Model
+
+
+class Shown:
+    """A report that a notebook shows by itself."""
+
+    __slots__ = ()
+
+    def _repr_markdown_(self: Report) -> str:
+        from obscli.render.markdown import render  # noqa: PLC0415 - only a notebook pays for it
+
+        return render(self, Surface())
+
+    def _repr_latex_(self: Report) -> str:
+        from obscli.render.latex import render  # noqa: PLC0415
+
+        return render(self, Surface())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AnalyzeReport(analyze_pipeline.AnalyzeReport, Shown):
+    """What ``analyze`` found: ``results``, one a stage, each with ``finding``; ``document()``; ``data()``."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class VerifyReport(verify_pipeline.VerifyReport, Shown):
+    """What ``verify`` checked: ``results``, one a stage, each with ``checks``; ``failed``; ``undecided``."""
+
+
+def load(
+    path: str | Path,
+    *,
+    settings: Mapping[str, str] | None = None,
+    fix: Mapping[str, str] | None = None,
+    outputs: Iterable[str] = (),
+    without: Iterable[str] = (),
+) -> Model:
+    """Read a model file.
+
+    Parameters
+    ----------
+    path : the YAML file
+    settings : new nominal values of parameters, ``{"omega": "0.2"}``
+    fix : exact substitutions, ``{"omega_ie": "0"}``
+    outputs : keep only these outputs; none: all
+    without : states to leave out
+
+    Raises
+    ------
+    ModelError
+        with every problem of the file, each with its place.
+    """
+    return load_changed(path, Changes(settings or {}, fix or {}, tuple(outputs), tuple(without)))
+
+
+def analyze(
+    model: Source,
+    *,
+    request: AnalyzeRequest = AnalyzeRequest(),  # noqa: B008 - frozen and empty
+    changes: Changes = Changes(),  # noqa: B008 - frozen and empty
+    progress: Progress = silent,
+) -> AnalyzeReport:
+    """Find exactly which combinations of the states are observable, in every stage of a model.
+
+    Parameters
+    ----------
+    model : a model file, or a model read before (then ``changes`` must be empty)
+    request : which stages, which basis, whether to search for critical values
+    changes : changes to make while reading; with ``fix``, the report says what it changes
+    progress : told what is being done
+    """
+    if isinstance(model, Model):
+        if changes != Changes():
+            raise TypeError("changes are made while reading: give the path of the model")
+        found = analyze_pipeline.analyze(model, request, progress=progress)
+    else:
+        unfixed = None
+        changed = load_changed(model, changes)
+        if changes.fix:
+            unfixed = load_changed(model, Changes(changes.settings, {}, changes.outputs, changes.without))
+        found = analyze_pipeline.analyze(changed, request, changes, unfixed, progress)
+    return AnalyzeReport(found.results, found.changes)
+
+
+def verify(
+    *models: Source,
+    stages: Iterable[str] = (),
+    claims: Iterable[str] = (),
+    progress: Progress = silent,
+) -> VerifyReport:
+    """Check what models claim, and every certificate of their analysis.
+
+    Parameters
+    ----------
+    models : model files, or models read before
+    stages : only these stages; none: all
+    claims : further combinations asserted to be observable, ``"b_g1 - omega*M_g21"``
+    progress : told what is being done
+    """
+    read = [model if isinstance(model, Model) else load_changed(model) for model in models]
+    found = verify_pipeline.verify(read, tuple(stages), tuple(claims), progress)
+    return VerifyReport(found.results)

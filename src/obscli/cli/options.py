@@ -1,0 +1,102 @@
+"""Options shared by commands, each declared once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Final, TypeAlias
+
+import typer
+
+from obscli.render.formats import FORMATS
+
+
+FORMAT_NAMES: Final = tuple(one.name for one in FORMATS)
+ONLY: Final = ("analytic",)
+
+
+def _one_of(names: tuple[str, ...], given: str) -> str:
+    if given not in names:
+        raise typer.BadParameter(f"{given!r} is not one of {', '.join(names)}")
+    return given
+
+
+def _known_format(given: str) -> str:
+    return _one_of(FORMAT_NAMES, given)
+
+
+def _known_check_format(given: str) -> str:
+    return _one_of(("terminal", "json"), given)
+
+
+def _known_pipeline(given: str | None) -> str | None:
+    if given not in (None, *ONLY):
+        raise typer.BadParameter(f"{given!r} is not available yet; there is: {', '.join(ONLY)}")
+    return given
+
+
+FormatOption: TypeAlias = Annotated[
+    str,
+    typer.Option("--format", callback=_known_format, metavar="|".join(FORMAT_NAMES), help="Output format."),
+]
+CheckFormatOption: TypeAlias = Annotated[
+    str,
+    typer.Option("--format", callback=_known_check_format, metavar="terminal|json", help="Output format."),
+]
+OutputOption: TypeAlias = Annotated[
+    Path | None,
+    typer.Option("--output", metavar="FILE", help="Write the report to FILE instead of standard output."),
+]
+StageOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option("--stage", metavar="NAME", help="Only this stage (repeatable). Default: every stage."),
+]
+SetOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="Change a parameter's nominal value (repeatable)."),
+]
+FixOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--fix",
+        metavar="NAME=EXPRESSION",
+        help="Substitute exactly, e.g. omega_ie=0 to neglect a small term; the report says what that changes "
+        "(repeatable).",
+    ),
+]
+OutputsOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option("--outputs", metavar="A,B", help="Use only these outputs."),
+]
+WithoutOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option("--without", metavar="STATE,…", help="Leave these states out (repeatable)."),
+]
+BasisOption: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        "--basis",
+        metavar="echelon|sparse|FILE",
+        help="Form of the combinations: reduced echelon in the order of the states, as few states as "
+        "possible, or the rows of FILE completed to a basis.",
+    ),
+]
+PivotOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option("--pivot-order", metavar="STATE,…", help="States to solve for first in the echelon basis."),
+]
+NoCriticalOption: TypeAlias = Annotated[
+    bool,
+    typer.Option("--no-critical", help="Do not search for parameter values at which the rank drops."),
+]
+DetailsOption: TypeAlias = Annotated[
+    bool,
+    typer.Option("--details", help="Show the certificate, its assumptions, and what was not searched."),
+]
+OnlyOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option("--only", callback=_known_pipeline, metavar="analytic", help="Run only this pipeline."),
+]
+StrictOption: TypeAlias = Annotated[
+    bool,
+    typer.Option("--strict", help="Exit with code 4 where something stays undecided."),
+]

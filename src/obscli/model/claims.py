@@ -1,0 +1,206 @@
+"""``claims`` and ``expect``: what is asserted of a stage, read once, evaluated in each stage's scope."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from obscli.core.place import Place
+from obscli.model.constant import constant
+from obscli.model.expression import Expression, Symbol, is_zero
+from obscli.model.formula import Formula, formula
+from obscli.model.keys import Fields, choice_of, fields, items_of, text_of, whole_of
+from obscli.model.linear import quantity
+from obscli.model.plain import flow_text
+from obscli.model.scope import Scope
+from obscli.model.system import Claim, Quantity, State
+from obscli.model.tree import Broken, Node, Scalar
+from obscli.model.tree import Mapping as MappingNode
+from obscli.model.trouble import Problems, nearest, shown
+
+
+Origin = Literal["claims", "expect"]
+VERDICTS: Final = ("observable", "coupled", "unobservable")
+COMBINATIONS: Final = ("basis", "observable", "unobservable")
+CLAIM_KEYS: Final = (
+    "stage", "experiment", "at", "rank", *COMBINATIONS, "directions", "states", "determined", "detectable",
+)  # fmt: skip
+EXPECT_KEYS: Final = (*CLAIM_KEYS, "measures", "require")
+_KEPT: Final = ("determined", "detectable", "measures", "require")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClaimDraft:
+    """One entry, parsed: its combinations and directions wait for a scope."""
+
+    origin: Origin
+    node: Node
+    path: str
+    given: Fields
+    stage: str
+    experiment: str
+    rank: int | None
+    combinations: Mapping[str, tuple[Formula, ...]]
+    directions: tuple[tuple[Node, Mapping[str, tuple[Scalar, Formula]]], ...]
+    at: Mapping[str, tuple[Scalar, Formula]] | Literal["nominal"] | None
+
+
+def read_claims(
+    node: Node | None, origin: Origin, stages: Collection[str], problems: Problems
+) -> tuple[ClaimDraft, ...]:
+    """Read the list of claims; a single one may stand without the list."""
+    if node is None or isinstance(node, Broken) or (isinstance(node, Scalar) and node.is_null):
+        return ()
+    items = (node,) if isinstance(node, MappingNode) else items_of(node, origin, problems)
+    return tuple(
+        _read(item, origin, f"{origin}[{k}]", stages, problems) for k, item in enumerate(items, start=1)
+    )
+
+
+def _read(node: Node, origin: Origin, path: str, stages: Collection[str], problems: Problems) -> ClaimDraft:
+    given = fields(node, path, EXPECT_KEYS if origin == "expect" else CLAIM_KEYS, problems)
+    stage = text_of(given.get("stage"), f"{path}.stage", problems)
+    if stage and stage not in stages:
+        message = f"there is no stage '{shown(stage)}'{nearest(stage, stages)}"
+        problems.add(given["stage"][1].problem(f"{path}.stage", message))
+    rank = whole_of(given["rank"][1], f"{path}.rank", problems, least=0) if "rank" in given else None
+    combinations: dict[str, tuple[Formula, ...]] = {
+        key: tuple(
+            formula(item, f"{path}.{key}[{k}]", problems)
+            for k, item in enumerate(items_of(given[key][1], f"{path}.{key}", problems), start=1)
+        )
+        for key in COMBINATIONS
+        if key in given
+    }
+    directions = given.get("directions")
+    return ClaimDraft(
+        origin, node, path, given, stage, text_of(given.get("experiment"), f"{path}.experiment", problems),
+        rank, combinations,
+        tuple(
+            (item, _assignments(item, f"{path}.directions[{k}]", problems))
+            for k, item in enumerate(
+                items_of(directions[1], f"{path}.directions", problems) if directions else (), start=1
+            )
+        ),
+        _at(given["at"][1], f"{path}.at", problems) if "at" in given else None,
+    )  # fmt: skip
+
+
+def _at(
+    node: Node, path: str, problems: Problems
+) -> Mapping[str, tuple[Scalar, Formula]] | Literal["nominal"] | None:
+    if isinstance(node, MappingNode):
+        return _assignments(node, path, problems)
+    if isinstance(node, Scalar) and node.text == "nominal":
+        return "nominal"
+    if not isinstance(node, Broken):
+        problems.add(node.problem(path, "'nominal' or a mapping of parameters to values is expected here"))
+    return None
+
+
+def _assignments(node: Node, path: str, problems: Problems) -> dict[str, tuple[Scalar, Formula]]:
+    return {
+        name: (key, formula(value, f"{path}.{name}", problems))
+        for name, (key, value) in fields(node, path, None, problems).items()
+    }
+
+
+def claims_of(
+    drafts: tuple[ClaimDraft, ...], scope: Scope, states: tuple[State, ...], problems: Problems
+) -> tuple[Claim, ...]:
+    """Return the claims in the scope of one stage."""
+    return tuple(_claim(draft, scope, states, problems) for draft in drafts)
+
+
+def about(drafts: tuple[ClaimDraft, ...], stage: str | None) -> tuple[ClaimDraft, ...]:
+    """Return the claims about a stage: those that name it, and those that name none."""
+    return tuple(one for one in drafts if not one.experiment and one.stage in {"", stage})
+
+
+def _claim(draft: ClaimDraft, scope: Scope, states: tuple[State, ...], problems: Problems) -> Claim:
+    found = {
+        key: tuple(
+            one
+            for item in draft.combinations.get(key, ())
+            for one in quantity(_label(item), item, scope, problems)
+        )
+        for key in COMBINATIONS
+    }
+    return Claim(
+        origin=draft.origin,
+        place=draft.node.place,
+        stage=draft.stage or None,
+        experiment=draft.experiment or None,
+        at=_values(draft, scope, problems),
+        rank=draft.rank,
+        rank_place=draft.given["rank"][1].place if "rank" in draft.given else None,
+        basis=found["basis"] if "basis" in draft.combinations else None,
+        observable=found["observable"],
+        unobservable=found["unobservable"],
+        directions=tuple(_directions(draft, scope, states, problems)),
+        states=_verdicts(draft, states, problems),
+        other={key: _kept(draft.given[key][1]) for key in _KEPT if key in draft.given},
+    )
+
+
+def _label(item: Formula) -> str:
+    return item.text or flow_text(item.node)
+
+
+def _kept(node: Node) -> tuple[str, Place]:
+    return flow_text(node), node.place
+
+
+def _values(
+    draft: ClaimDraft, scope: Scope, problems: Problems
+) -> Mapping[str, Expression] | Literal["nominal"] | None:
+    if draft.at is None or draft.at == "nominal":
+        return draft.at
+    parameters = [
+        n for n, v in scope.values.items() if v.is_scalar and isinstance(v.entries[0].constant, Symbol)
+    ]
+    result = {}
+    for name, (key, value) in draft.at.items():
+        if name not in scope.values:
+            message = f"'{shown(name)}' is no parameter{nearest(name, parameters)}"
+            problems.add(key.problem(f"{draft.path}.at", message))
+            continue
+        node = constant(value, scope, problems)
+        if node is not None:
+            result[name] = node
+    return result
+
+
+def _directions(
+    draft: ClaimDraft, scope: Scope, states: tuple[State, ...], problems: Problems
+) -> Iterator[Quantity]:
+    names = {state.name for state in states}
+    for k, (item, components) in enumerate(draft.directions, start=1):
+        found: dict[str, Expression] = {}
+        for name, (key, value) in components.items():
+            node = constant(value, scope, problems)
+            if name not in names:
+                message = f"'{shown(name)}' is no state{nearest(name, names)}"
+                problems.add(key.problem(f"{draft.path}.directions[{k}]", message))
+            elif node is not None and not is_zero(node):
+                found[name] = node
+        yield Quantity(f"directions[{k}]", found, item.place, flow_text(item))
+
+
+def _verdicts(
+    draft: ClaimDraft, states: tuple[State, ...], problems: Problems
+) -> dict[str, tuple[str, Place]]:
+    if "states" not in draft.given:
+        return {}
+    path = f"{draft.path}.states"
+    result: dict[str, tuple[str, Place]] = {}
+    known = [spelling for state in states for spelling in (state.name, state.vector) if spelling]
+    for name, (key, value) in fields(draft.given["states"][1], path, None, problems).items():
+        verdict = choice_of((key, value), f"{path}.{name}", VERDICTS, problems)
+        found = [state.name for state in states if name in (state.name, state.vector)]
+        if not found:
+            problems.add(key.problem(path, f"'{shown(name)}' is no state{nearest(name, known)}"))
+        if verdict:
+            result.update(dict.fromkeys(found, (verdict, value.place)))
+    return result

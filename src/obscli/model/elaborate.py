@@ -1,0 +1,137 @@
+"""One stage of a file, all replacements made: from draft to ``System``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from obscli.model.claims import ClaimDraft, about, claims_of
+from obscli.model.constant import constant
+from obscli.model.declaration import Declared
+from obscli.model.draft import Draft, Entries
+from obscli.model.dynamics import motion
+from obscli.model.environment import Environment, environment
+from obscli.model.expression import Expression
+from obscli.model.formula import formula
+from obscli.model.kept import Targets, kept_interval, kept_noise
+from obscli.model.keys import text_of
+from obscli.model.latex import checked_latex
+from obscli.model.linear import linear_values, quantity
+from obscli.model.meter import Meter
+from obscli.model.observation import observation
+from obscli.model.scope import Scope
+from obscli.model.system import Quantity, State, System
+from obscli.model.trouble import Incomplete, Problems
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Setting:
+    """What a stage is elaborated with: its name, fixes from outside, claims, what other stages define.
+
+    ``sound``: nothing was wrong in reading the sections, so that what is missing is missing in the file.
+    """
+
+    stage: str | None
+    base: bool
+    sound: bool
+    fix: Entries
+    elsewhere: Mapping[str, str]
+    claims: tuple[ClaimDraft, ...]
+    meter: Meter
+
+
+def elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | None:
+    """Return the system of one stage; None where it is wrong (reported) or incomplete by itself."""
+    try:
+        return _elaborate(draft, setting, problems)
+    except Incomplete:
+        return None
+
+
+def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | None:
+    known = environment(draft, setting.fix, setting.elsewhere, setting.meter, problems, base=setting.base)
+    states = _states(draft, known, problems)
+    if not draft.states_sound:
+        return None
+    moving = known.scope.with_values(linear_values(draft, inputs=True))
+    still = known.scope.with_values(linear_values(draft, inputs=False))
+    dynamics = motion(draft, known.scope, moving, problems)
+    measured = observation(draft, known.scope, still, problems)
+    if dynamics is None or measured is None:
+        _report_missing(draft, setting, problems)
+        return None
+    H, outputs = measured
+    targets = Targets(
+        {name for state in states for name in (state.name, state.vector)},
+        {*dynamics.disturbances, *(one.name for one in draft.disturbances)},
+        {name for output in outputs for name in (output.name, output.vector)},
+    )
+    return System(
+        stage=setting.stage,
+        time=draft.time or "t",
+        parameters=known.parameters,
+        functions=known.functions,
+        invariants=known.invariants,
+        states=states,
+        outputs=outputs,
+        A=dynamics.A,
+        H=H,
+        B=dynamics.B,
+        G=dynamics.G,
+        inputs=dynamics.inputs,
+        disturbances=dynamics.disturbances,
+        quantities=_quantities(draft, still, problems),
+        claims=claims_of(about(setting.claims, setting.stage), still, states, problems),
+        noise=kept_noise(draft.noise, "noise", targets, known.scope, problems),
+        interval=kept_interval(draft.interval, "interval", known.scope, problems),
+        scope=still,
+    )
+
+
+def _report_missing(draft: Draft, setting: Setting, problems: Problems) -> None:
+    """Report that a matrix is missing altogether, unless the base only waits for its stages."""
+    pairs = (("A", "dynamics", draft.dynamics), ("H", "measurements", draft.measurements))
+    for matrix, sides, given in pairs:
+        if (
+            matrix not in draft.matrices
+            and given is None
+            and not setting.base
+            and setting.sound
+            and not problems
+        ):
+            where = f"stage '{setting.stage}'" if setting.stage else "the model"
+            problems.add(draft.node.problem("", f"{where} has neither `{matrix}` nor `{sides}`"))
+
+
+def _quantities(draft: Draft, scope: Scope, problems: Problems) -> tuple[Quantity, ...]:
+    found: list[Quantity] = []
+    for name, entry in draft.quantities.items():
+        if entry.formula is None:
+            problems.add(entry.key.problem(f"quantities.{name}", "an expression is missing here"))
+        else:
+            found += quantity(name, entry.formula, scope, problems)
+    return tuple(found)
+
+
+def _states(draft: Draft, known: Environment, problems: Problems) -> tuple[State, ...]:
+    return tuple(state for one in draft.states for state in _components(one, known, problems))
+
+
+def _components(one: Declared, known: Environment, problems: Problems) -> list[State]:
+    path = f"states.{one.name}"
+    latex = text_of(one.given.get("latex"), f"{path}.latex", problems)
+    if latex and "latex" in one.given:
+        checked_latex(latex, one.given["latex"][1], f"{path}.latex", problems)
+    scale: Expression | None = None
+    if "scale" in one.given:
+        scale = constant(formula(one.given["scale"][1], f"{path}.scale", problems), known.scope, problems)
+    return [
+        State(name, one.key.place, one.vector, one.unit, one.description, _latex(one, name, latex), scale)
+        for name in one.components
+    ]
+
+
+def _latex(one: Declared, name: str, latex: str) -> str:
+    """Return the LaTeX of a component: that of the whole with the index below."""
+    suffix = name[len(one.name) :].strip("_").replace("_", ",")
+    return f"{{{latex}}}_{{{suffix}}}" if latex and suffix else latex

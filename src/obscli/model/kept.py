@@ -1,0 +1,86 @@
+"""Checks of what is kept for later commands: ``noise``, ``interval``, ``require``."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Final
+
+from obscli.model.evaluate import evaluate
+from obscli.model.formula import formula
+from obscli.model.keys import fields, whole_of
+from obscli.model.plain import plain
+from obscli.model.scope import Scope
+from obscli.model.system import Plain
+from obscli.model.tree import Broken, Mapping, Node, Scalar
+from obscli.model.trouble import Problems, nearest, shown
+
+
+NOISE_KEYS: Final = ("Q", "R", "P0", "P0_std", "step")
+INTERVAL_KEYS: Final = ("start", "stop", "samples")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Targets:
+    """The names that noise may be given for."""
+
+    states: Collection[str]
+    disturbances: Collection[str]
+    outputs: Collection[str]
+
+
+def kept_noise(
+    node: Node | None, path: str, targets: Targets, scope: Scope, problems: Problems
+) -> Plain | None:
+    """Return ``noise`` checked: keys, names and expressions."""
+    if node is None or isinstance(node, Broken):
+        return None
+    for key, (_, value) in fields(node, path, NOISE_KEYS, problems).items():
+        names = targets.outputs if key == "R" else targets.states
+        if key == "Q" and targets.disturbances:
+            names = targets.disturbances
+        _check_values(value, f"{path}.{key}", names, scope, problems)
+    return plain(node)
+
+
+def kept_interval(node: Node | None, path: str, scope: Scope, problems: Problems) -> Plain | None:
+    """Return ``interval`` checked."""
+    if node is None or isinstance(node, Broken):
+        return None
+    for key, (_, value) in fields(node, path, INTERVAL_KEYS, problems).items():
+        if key == "samples":
+            whole_of(value, f"{path}.samples", problems, most=10_000_000)
+        else:
+            _check_expression(value, f"{path}.{key}", scope, problems)
+    return plain(node)
+
+
+def kept_require(node: Node | None, names: Collection[str], scope: Scope, problems: Problems) -> Plain | None:
+    """Return ``require`` checked: states or quantities with the accuracy asked for."""
+    if node is None or isinstance(node, Broken):
+        return None
+    _check_mapping(node, "require", names, scope, problems)
+    return plain(node)
+
+
+def _check_values(node: Node, path: str, names: Collection[str], scope: Scope, problems: Problems) -> None:
+    if isinstance(node, Mapping):
+        _check_mapping(node, path, names, scope, problems)
+    else:
+        _check_expression(node, path, scope, problems)
+
+
+def _check_mapping(node: Node, path: str, names: Collection[str], scope: Scope, problems: Problems) -> None:
+    for name, (key, value) in fields(node, path, None, problems).items():
+        if name not in names:
+            message = f"'{shown(name)}' is none of the names expected here{nearest(name, names)}"
+            problems.add(key.problem(path, message))
+        _check_expression(value, f"{path}.{name}", scope, problems)
+
+
+def _check_expression(node: Node, path: str, scope: Scope, problems: Problems) -> None:
+    """Evaluate for the problems' sake; the later command evaluates with its own numbers."""
+    if isinstance(node, Scalar) and node.is_null:
+        problems.add(node.problem(path, "an expression is missing here"))
+        return
+    evaluate(formula(node, path, problems), scope, problems)

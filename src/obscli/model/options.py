@@ -1,0 +1,123 @@
+"""What the command line changes: ``--set``, ``--fix``, ``--outputs``, ``--without``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from obscli.model.draft import Draft, Entry, ParameterDraft
+from obscli.model.expression import Expression
+from obscli.model.formula import Formula, formula
+from obscli.model.source import Source, checked
+from obscli.model.system import Matrix, Output, Quantity, State, System
+from obscli.model.tree import Scalar
+from obscli.model.trouble import Problems, nearest, shown
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Options:
+    """The options of ``load``."""
+
+    fix: Mapping[str, str]
+    settings: Mapping[str, str]
+    outputs: Sequence[str]
+    without: Sequence[str]
+
+
+def _assignment(option: str, name: str, text: str) -> tuple[Scalar, Scalar]:
+    """Return name and text as nodes of the source ``name=text``."""
+    source = checked(f"{name}={text}", option)
+    width = len(name)
+    return Scalar(source, 1, 1, name, name), Scalar(source, 1, width + 2, text, text)
+
+
+def fixes(options: Options, problems: Problems) -> dict[str, Entry]:
+    """Return the exact substitutions."""
+    found = {}
+    for name, text in options.fix.items():
+        key, node = _assignment("--fix", name, text)
+        found[name] = Entry(key, formula(node, name, problems))
+    return found
+
+
+def set_values(options: Options, draft: Draft, problems: Problems) -> Draft:
+    """Return the nominal values as a stage of their own."""
+    found = {}
+    for name, text in options.settings.items():
+        key, node = _assignment("--set", name, text)
+        if name not in draft.parameters:
+            message = f"'{shown(name)}' is no parameter{nearest(name, draft.parameters)}"
+            problems.add(key.problem("", message))
+        value: Formula = formula(node, name, problems)
+        found[name] = ParameterDraft(key, value)
+    return Draft(draft.node, parameters=found)
+
+
+def selected(system: System, options: Options, problems: Problems) -> System:
+    """Return the system with the outputs asked for and without the states left out."""
+    if options.outputs:
+        rows = _positions("--outputs", options.outputs, system.outputs, problems)
+        system = replace(
+            system,
+            outputs=tuple(system.outputs[i] for i in rows),
+            H=_taken(system.H, rows, range(system.n)),
+            claims=(),
+        )
+    if options.without:
+        left_out = set(_positions("--without", options.without, system.states, problems))
+        system = _without(system, [i for i in range(system.n) if i not in left_out])
+    return system
+
+
+def _positions(
+    option: str, names: Sequence[str], known: Sequence[State | Output], problems: Problems
+) -> list[int]:
+    """Return the positions of scalars, or of the components of vectors, in the order of the file."""
+    wanted: set[int] = set()
+    column = 1
+    source = Source(option, ",".join(names))
+    spellings = [spelling for one in known for spelling in (one.name, one.vector) if spelling]
+    for name in names:
+        found = {i for i, one in enumerate(known) if name in (one.name, one.vector)}
+        if not found:
+            what = "output" if option == "--outputs" else "state"
+            message = f"'{shown(name)}' is no {what}{nearest(name, spellings)}"
+            problems.add(source.problem(1, column, len(name), "", message))
+        wanted |= found
+        column += len(name) + 1
+    return sorted(wanted)
+
+
+def _taken(matrix: Matrix, rows: Sequence[int], columns: Sequence[int]) -> Matrix:
+    """Return the rows and columns asked for."""
+    row_of = {i: k for k, i in enumerate(rows)}
+    column_of = {j: k for k, j in enumerate(columns)}
+    kept = {
+        key: (row_of[key[0]], column_of[key[1]])
+        for key in matrix.entries
+        if key[0] in row_of and key[1] in column_of
+    }
+    entries: dict[tuple[int, int], Expression] = {new: matrix.entries[old] for old, new in kept.items()}
+    places = {new: matrix.places[old] for old, new in kept.items() if old in matrix.places}
+    return Matrix(len(rows), len(columns), entries, places)
+
+
+def _without(system: System, kept: list[int]) -> System:
+    states = tuple(system.states[i] for i in kept)
+    names = {state.name for state in states}
+    return replace(
+        system,
+        states=states,
+        A=_taken(system.A, kept, kept),
+        H=_taken(system.H, range(system.m), kept),
+        B=system.B and _taken(system.B, kept, range(system.B.columns)),
+        G=system.G and _taken(system.G, kept, range(system.G.columns)),
+        quantities=tuple(
+            _restricted(one, names) for one in system.quantities if names & one.coefficients.keys()
+        ),
+        claims=(),
+    )
+
+
+def _restricted(one: Quantity, names: set[str]) -> Quantity:
+    return replace(one, coefficients={name: node for name, node in one.coefficients.items() if name in names})

@@ -1,0 +1,187 @@
+"""Reading a model file: every problem at once, or a ``Model``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from obscli.core.place import ModelError, Place, Problem
+from obscli.model.claims import Origin, about, claims_of, read_claims
+from obscli.model.compose import compose
+from obscli.model.covector import scope_of
+from obscli.model.draft import Draft
+from obscli.model.experiment import kept_experiment
+from obscli.model.kept import kept_require
+from obscli.model.keys import NOT_YET, Fields, choice_of, fields, text_of
+from obscli.model.namespace import check_namespace
+from obscli.model.options import Options, fixes, selected, set_values
+from obscli.model.sections import SYSTEM_KEYS, read_draft
+from obscli.model.source import Source, checked, read_source
+from obscli.model.stages import Variants, read_stages
+from obscli.model.system import Claim, Model, Plain
+from obscli.model.tree import Mapping as MappingNode
+from obscli.model.tree import Node, Scalar
+from obscli.model.trouble import Problems, shown
+
+
+ORIGINS: Final[tuple[Origin, ...]] = ("claims", "expect")
+_NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
+KEYS: Final = (
+    "format", "name", "title", "description", "source", *SYSTEM_KEYS, "require", "stages", "experiment",
+    "claims", "expect",
+)  # fmt: skip
+
+
+def load(
+    path: str | Path,
+    *,
+    fix: Mapping[str, str] = _NOTHING,
+    settings: Mapping[str, str] = _NOTHING,
+    outputs: Sequence[str] = (),
+    without: Sequence[str] = (),
+) -> Model:
+    """Read a model file.
+
+    Parameters
+    ----------
+    path : the file
+    fix : exact substitutions, name of a parameter or function → expression
+    settings : nominal values, name of a parameter → expression
+    outputs : the outputs kept (names of scalars or vectors); empty: all
+    without : states left out
+
+    Raises
+    ------
+    ModelError
+        with every problem of the file
+    """
+    return _read(read_source(path), Options(fix, settings, outputs, without))
+
+
+def read_text(
+    text: str,
+    file: str,
+    *,
+    fix: Mapping[str, str] = _NOTHING,
+    settings: Mapping[str, str] = _NOTHING,
+    outputs: Sequence[str] = (),
+    without: Sequence[str] = (),
+) -> Model:
+    """Read a model from a text; ``file`` is its name in messages. Otherwise as ``load``."""
+    return _read(checked(text, file), Options(fix, settings, outputs, without))
+
+
+def _read(source: Source, options: Options) -> Model:
+    problems = Problems()
+    root = compose(source, problems)
+    if root is None or (isinstance(root, Scalar) and root.is_null):
+        hint = "the smallest model is four lines: states, parameters, A, H"
+        raise ModelError([Problem(Place(shown(source.file), 1, 1), "", "the file is empty", hint)])
+    if not isinstance(root, MappingNode):
+        problems.add(root.problem("", "a model is a mapping of keys (states, A, H, …) to values"))
+        raise ModelError(problems)
+    model = _model(root, source, options, problems)
+    if model is None and not problems:
+        problems.add(
+            root.problem("", "no stage of this model is complete", "give `A` and `H` (or equations)")
+        )
+    problems.raise_any()
+    assert model is not None
+    return model
+
+
+def _model(root: MappingNode, source: Source, options: Options, problems: Problems) -> Model | None:
+    given = fields(root, "", KEYS, problems)
+    draft = read_draft(root, "", KEYS, problems)
+    stages = read_stages(_node(given, "stages"), problems)
+    _check_format(given, problems)
+    check_namespace(draft, problems)
+    claims = tuple(
+        one for origin in ORIGINS for one in read_claims(_node(given, origin), origin, stages, problems)
+    )
+    model = Model(
+        name=text_of(given.get("name"), "name", problems) or Path(source.file).stem,
+        file=Path(source.file),
+        systems=(),
+        title=text_of(given.get("title"), "title", problems),
+        description=text_of(given.get("description"), "description", problems),
+        source=text_of(given.get("source"), "source", problems),
+        experiment=_experiment(_node(given, "experiment"), draft, stages, problems),
+    )
+    if not draft.states:
+        if "states" not in given or not problems:
+            problems.add(root.problem("", "`states` is missing: the names of the states, in order"))
+        return None
+    if any(node.get(key) for node in (root, *_mappings(stages)) for key in NOT_YET):
+        return None
+    variants = Variants(draft, stages, set_values(options, draft, problems), fixes(options, problems), claims)
+    systems = variants.elaborate(problems)
+    if not systems:
+        return None
+    scope, states = scope_of(systems[0]), systems[0].states
+    wanted = {name for one in states for name in (one.name, one.vector)} | draft.quantities.keys()
+    return replace(
+        model,
+        systems=tuple(selected(system, options, problems) for system in systems),
+        require=kept_require(_node(given, "require"), wanted, scope, problems),
+        claims=claims_of(tuple(one for one in claims if one.experiment), scope, states, problems),
+    )
+
+
+def _node(given: Fields, key: str) -> Node | None:
+    return given[key][1] if key in given else None
+
+
+def _mappings(stages: Mapping[str, Draft]) -> list[MappingNode]:
+    return [one.node for one in stages.values() if isinstance(one.node, MappingNode)]
+
+
+def _check_format(given: Fields, problems: Problems) -> None:
+    if "format" in given:
+        choice_of(given["format"], "format", ("1",), problems)
+
+
+def _experiment(
+    node: Node | None, draft: Draft, stages: Mapping[str, Draft], problems: Problems
+) -> Plain | None:
+    states = [name for one in draft.states for name in (one.name, *one.components)]
+    functions = [name for one in draft.functions for name in (one.declared.name, *one.declared.components)]
+    return kept_experiment(node, tuple(stages), states, [*draft.parameters, *functions], problems)
+
+
+def load_claims(model: Model, path: str | Path) -> Mapping[str | None, tuple[Claim, ...]]:
+    """Read claims from a file of their own: a list, or a mapping with ``claims`` and ``expect``.
+
+    Returns
+    -------
+    Mapping[str | None, tuple[Claim, ...]]
+        by stage (None: the base); those about an experiment stand under None
+
+    Raises
+    ------
+    ModelError
+        with every problem of the file
+    """
+    problems = Problems()
+    root = compose(read_source(path), problems)
+    stages = [system.stage for system in model.systems if system.stage]
+    nodes: dict[Origin, Node | None] = {"claims": root}
+    if isinstance(root, MappingNode) and (root.get("claims") or root.get("expect")):
+        given = fields(root, "", ORIGINS, problems)
+        nodes = {origin: _node(given, origin) for origin in ORIGINS}
+    drafts = tuple(
+        one for origin, node in nodes.items() for one in read_claims(node, origin, stages, problems)
+    )
+    found: dict[str | None, tuple[Claim, ...]] = {}
+    for system in model.systems:
+        here = about(drafts, system.stage)
+        found[system.stage] = claims_of(here, scope_of(system), system.states, problems)
+    rest = tuple(one for one in drafts if one.experiment)
+    if rest:
+        first = model.systems[0]
+        found[None] = found.get(None, ()) + claims_of(rest, scope_of(first), first.states, problems)
+    problems.raise_any()
+    return found

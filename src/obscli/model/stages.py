@@ -1,0 +1,103 @@
+"""The variants of a file: the base, where it is complete by itself, and every stage."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from obscli.core.place import Problem
+from obscli.model.claims import ClaimDraft
+from obscli.model.draft import Draft, Entries, merged
+from obscli.model.elaborate import Setting, elaborate
+from obscli.model.keys import fields
+from obscli.model.meter import Meter
+from obscli.model.sections import STAGE_KEYS, read_draft
+from obscli.model.system import System
+from obscli.model.tree import Node
+from obscli.model.trouble import Problems, nearest, shown
+
+
+def read_stages(node: Node | None, problems: Problems) -> dict[str, Draft]:
+    """Read the replacements of every stage."""
+    return {
+        name: read_draft(value, f"stages.{name}", STAGE_KEYS, problems)
+        for name, (_, value) in fields(node, "stages", None, problems).items()
+    }
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Variants:
+    """A base, its stages, and what the command line changes in all of them."""
+
+    base: Draft
+    stages: Mapping[str, Draft]
+    settings: Draft
+    fix: Entries
+    claims: tuple[ClaimDraft, ...]
+
+    def elaborate(self, problems: Problems) -> tuple[System, ...]:
+        """Return the systems, the base first unless a stage equals it or it is incomplete."""
+        _check_forms(self.base, "", problems)
+        for stage_name, stage in self.stages.items():
+            self._check_replaced(stage_name, stage, problems)
+        variants: list[tuple[str | None, Draft]] = [
+            (name, merged(self.base, stage)) for name, stage in self.stages.items()
+        ]
+        if not any(stage.is_empty for stage in self.stages.values()):
+            variants.insert(0, (None, self.base))
+        elsewhere, meter, sound = self._elsewhere(), Meter(), not problems
+        systems: list[System] = []
+        found: dict[tuple[object, ...], tuple[Problem, list[str | None]]] = {}
+        for name, draft in variants:
+            is_base = name is None and bool(self.stages)
+            setting = Setting(name, is_base, sound, self.fix, elsewhere, self.claims, meter)
+            here = Problems()
+            system = elaborate(merged(draft, self.settings), setting, here)
+            systems += [] if system is None else [system]
+            for problem in here:
+                found.setdefault((problem.place, problem.message), (problem, []))[1].append(name)
+        for problem, where in found.values():
+            problems.add(_attributed(problem, where, len(variants)))
+        return tuple(systems)
+
+    def _elsewhere(self) -> dict[str, str]:
+        """Return the ``let`` names without a value in the base, with the stages that give one."""
+        users: dict[str, list[str]] = {}
+        for stage, one in self.stages.items():
+            for name in one.let:
+                if name not in self.base.let or self.base.let[name].formula is None:
+                    users.setdefault(name, []).append(stage)
+        return {name: ", ".join(f"'{shown(stage)}'" for stage in names[:3]) for name, names in users.items()}
+
+    def _check_replaced(self, name: str, stage: Draft, problems: Problems) -> None:
+        """Report parameters of a stage that the base does not have, and names that clash."""
+        for parameter, given in stage.parameters.items():
+            if parameter not in self.base.parameters:
+                message = f"'{shown(parameter)}' is no parameter of the file"
+                hint = nearest(parameter, self.base.parameters)
+                problems.add(given.key.problem(f"stages.{name}.parameters", message + hint))
+        _check_forms(stage, f"stages.{name}", problems)
+        taken = {one.name for one in self.base.states} | self.base.parameters.keys()
+        for entry, given_entry in stage.let.items():
+            if entry in taken:
+                message = f"the name '{shown(entry)}' is taken by a state or parameter"
+                problems.add(given_entry.key.problem(f"stages.{name}.let", message))
+
+
+def _check_forms(draft: Draft, path: str, problems: Problems) -> None:
+    """Report a matrix given beside the equations it stands for."""
+    for matrix, sides, given in (
+        ("A", "dynamics", draft.dynamics),
+        ("H", "measurements", draft.measurements),
+    ):
+        if matrix in draft.matrices and given is not None:
+            message = f"`{matrix}` and `{sides}` are both given; one of the two"
+            problems.add(draft.matrices[matrix].node.problem(path, message))
+
+
+def _attributed(problem: Problem, stages: list[str | None], variants: int) -> Problem:
+    """Say in which stages a problem arises, where it does not in all."""
+    if len(stages) == variants:
+        return problem
+    names = ", ".join("the base" if stage is None else f"stage '{shown(stage)}'" for stage in stages[:3])
+    return replace(problem, message=f"{problem.message} (in {names})")

@@ -1,0 +1,1 @@
+"""One command's work a file: models in, reports out."""

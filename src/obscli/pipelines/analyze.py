@@ -1,0 +1,106 @@
+"""The work of ``obscli analyze``: a model's systems analysed exactly, and the report of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from obscli.core.document import Document
+from obscli.exact import analysis as engine
+from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.finding import Analysis, Undecided
+from obscli.model.covector import parse_covectors_file
+from obscli.model.system import Model, System
+from obscli.pipelines.analysis_data import report_data
+from obscli.pipelines.describe.report import report_document
+from obscli.pipelines.neglect import compared
+from obscli.pipelines.reading import chosen_systems, expanded_states
+from obscli.pipelines.request import AnalyzeRequest, Changes, Progress, silent
+from obscli.pipelines.stage_result import StageResult
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AnalyzeReport:
+    """What was found for each stage of one model, and the changes under which it was read."""
+
+    results: tuple[StageResult, ...]
+    changes: Changes
+
+    @property
+    def failed(self) -> int:
+        """No finding about a system is a failure."""
+        return 0
+
+    @property
+    def undecided(self) -> int:
+        """How many stages stayed undecided, wholly or in part."""
+        return sum(result.is_undecided for result in self.results)
+
+    def document(self) -> Document:
+        """Return the report for a reader."""
+        return report_document(self.results)
+
+    def data(self) -> Mapping[str, object]:
+        """Return the report for a program."""
+        return report_data(self.results, self.changes)
+
+
+def analyze(
+    model: Model,
+    request: AnalyzeRequest = AnalyzeRequest(),  # noqa: B008 - frozen and empty
+    changes: Changes = Changes(),  # noqa: B008 - frozen and empty
+    unfixed: Model | None = None,
+    progress: Progress = silent,
+) -> AnalyzeReport:
+    """Analyse the chosen stages of a model.
+
+    Parameters
+    ----------
+    model : the model as it is to be analysed, all changes made
+    request : what to analyse and how
+    changes : the changes made, for the record
+    unfixed : the same model without its ``fix``; where given, the report says what the fix changes
+    progress : told what is being done
+    """
+    results = []
+    for system in chosen_systems(model, request.stages):
+        label = f"{system.stage or model.name}: "
+        finding = _analyze_system(system, request, _labelled(progress, label))
+        if unfixed is not None and isinstance(finding, Analysis):
+            progress(label + "the system before --fix")
+            finding = _with_neglect(finding, unfixed, changes)
+        results.append(StageResult(model, system, finding))
+    return AnalyzeReport(tuple(results), changes)
+
+
+def _labelled(progress: Progress, label: str) -> Progress:
+    return lambda step: progress(label + step)
+
+
+def _analyze_system(system: System, request: AnalyzeRequest, progress: Progress) -> Analysis | Undecided:
+    basis = parse_covectors_file(system, request.basis) if isinstance(request.basis, Path) else request.basis
+    options = engine.Options(
+        basis=basis,
+        pivot_order=expanded_states(system, request.pivot_order),
+        critical=request.critical,
+    )
+    return engine.analyze(system, options, progress)
+
+
+def _with_neglect(after: Analysis, unfixed: Model, changes: Changes) -> Analysis:
+    """Return the finding with what the ``fix`` changed, where the system before it can be analysed."""
+    before_system = next(one for one in unfixed.systems if one.stage == after.system.stage)
+    options = engine.Options(critical=False, certificate=False)
+    before = engine.analyze(before_system, options, silent)
+    if isinstance(before, Undecided):
+        return _with_note(after, f"what the fix changes is undecided: {before.reason}")
+    substitution = ", ".join(f"{name} = {value}" for name, value in changes.fix.items())
+    try:
+        return replace(after, neglect=(*after.neglect, compared(before, after, substitution)))
+    except (UndecidedError, UndefinedError) as error:
+        return _with_note(after, f"what the fix changes is undecided: {error}")
+
+
+def _with_note(finding: Analysis, note: str) -> Analysis:
+    return replace(finding, notes=(*finding.notes, note))

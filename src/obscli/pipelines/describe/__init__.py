@@ -1,0 +1,1 @@
+"""Findings put into words: one section of the report a file, each a function from a finding to blocks."""

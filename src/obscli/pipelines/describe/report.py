@@ -1,0 +1,64 @@
+"""The whole report: stage after stage, then the table that compares them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from obscli.core.document import Block, Document, Heading, Inline, Paragraph, Table, Text, VerdictLine, plain
+from obscli.exact.finding import Analysis, Undecided
+from obscli.pipelines.describe.advice import advice_blocks
+from obscli.pipelines.describe.certificate import certificate_blocks
+from obscli.pipelines.describe.combinations import combination_blocks, direction_blocks
+from obscli.pipelines.describe.critical import critical_blocks
+from obscli.pipelines.describe.neglect import neglect_blocks
+from obscli.pipelines.describe.ranks import rank_blocks
+from obscli.pipelines.describe.stages import stage_table_blocks
+from obscli.pipelines.describe.states import quantity_blocks, state_blocks
+from obscli.pipelines.describe.summary import summary_blocks
+from obscli.pipelines.stage_result import StageResult
+
+
+#: The sections of one stage's report, in the order the reader meets them.
+SECTIONS = (
+    rank_blocks,
+    combination_blocks,
+    direction_blocks,
+    state_blocks,
+    quantity_blocks,
+    critical_blocks,
+    neglect_blocks,
+    advice_blocks,
+    certificate_blocks,
+)
+
+
+def report_document(results: Iterable[StageResult]) -> Document:
+    """Return the report on the stages of one model."""
+    results = tuple(results)
+    blocks = [block for result in results for block in _stage_blocks(result, first=result is results[0])]
+    return Document((*_explained_once(blocks), *stage_table_blocks(results)))
+
+
+def _stage_blocks(result: StageResult, *, first: bool) -> Iterable[Block]:
+    yield Heading(1, (Text(result.title),))
+    if first and result.model.title:
+        yield Paragraph((Text(result.model.title, "strong"),))
+    yield from summary_blocks(result)
+    match result.finding:
+        case Undecided(_, reason):
+            yield VerdictLine("open", plain(f"undecided: {reason}"))
+        case Analysis() as finding:
+            for section in SECTIONS:
+                yield from section(finding)
+
+
+def _explained_once(blocks: Iterable[Block]) -> Iterable[Block]:
+    """Keep the caption that explains a table under the first such table only."""
+    said: set[Inline] = set()
+    for block in blocks:
+        if isinstance(block, Table):
+            yield replace(block, caption=()) if block.caption in said else block
+            said.add(block.caption)
+        else:
+            yield block

@@ -1,0 +1,48 @@
+"""States × stages: one table that compares what each stage tells about each state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from obscli.core.document import Block, Cell, Column, Heading, Paragraph, Table, Text, line, plain
+from obscli.exact.finding import Analysis
+from obscli.pipelines.describe.words import SIGNS, sign
+from obscli.pipelines.stage_result import StageResult
+
+
+#: Stage names that together take more cells than this are replaced by numbers explained below the table.
+WIDEST_HEADER: Final = 50
+
+
+def stage_table_blocks(results: tuple[StageResult, ...]) -> Iterator[Block]:
+    """Yield the table, where there is more than one stage."""
+    if len(results) < 2:
+        return
+    labels = [result.system.stage or "base" for result in results]
+    numbered = sum(len(label) + 2 for label in labels) > WIDEST_HEADER
+    titles = [str(k) for k in range(1, len(labels) + 1)] if numbered else labels
+    columns = (Column("state"), *(Column(title, "centre") for title in titles))
+    legend = ", ".join(f"{mark} {verdict}" for verdict, (mark, _) in SIGNS.items())
+    yield Heading(1, plain(f"{results[0].model.name}: states × stages"))
+    yield Table(columns, tuple(_rows(results)), (Text(legend, "faint"),))
+    if numbered:
+        yield Paragraph(plain("Stages: " + ", ".join(f"{k} {label}" for k, label in enumerate(labels, 1))))
+
+
+def _rows(results: tuple[StageResult, ...]) -> Iterator[tuple[Cell, ...]]:
+    states = dict.fromkeys(state for result in results for state in result.system.state_names)
+    for state in states:
+        yield (line(Text(state, "name")), *(line(_verdict(result, state)) for result in results))
+    yield (line(Text("rank", "strong")), *(line(_rank(result)) for result in results))
+
+
+def _verdict(result: StageResult, state: str) -> Text:
+    if not isinstance(result.finding, Analysis):
+        return Text("?", "open")
+    verdict = result.finding.states.get(state)
+    return Text("") if verdict is None else sign(verdict)
+
+
+def _rank(result: StageResult) -> Text:
+    return Text(f"{result.finding.rank}/{result.system.n}" if isinstance(result.finding, Analysis) else "?")

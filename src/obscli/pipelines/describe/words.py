@@ -1,0 +1,34 @@
+"""Small matters of wording shared by the sections of a report."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from obscli.core.document import Inline, Role, Text
+from obscli.exact.finding import StateVerdict
+
+
+#: The verdicts in the order of a report, with the sign each has in every format, and its role.
+SIGNS: Final[dict[StateVerdict, tuple[str, Role]]] = {
+    "observable": ("●", "good"),
+    "coupled": ("◐", "open"),
+    "unobservable": ("·", "bad"),
+}
+
+
+def sign(verdict: StateVerdict) -> Text:
+    """Return the sign of a verdict."""
+    return Text(*SIGNS[verdict])
+
+
+def names(items: tuple[str, ...]) -> Inline:
+    """Return names of states, outputs or parameters one after the other."""
+    content: list[Text] = []
+    for item in items:
+        content += [Text(" "), Text(item, "name")]
+    return tuple(content[1:])
+
+
+def counted(count: int, noun: str) -> str:
+    """Return ``1 state``, ``2 states``."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

@@ -1,0 +1,58 @@
+"""Reading a model with the user's changes, and choosing among its stages."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from obscli.model import reader
+from obscli.model.system import Model, System
+from obscli.pipelines.request import Changes, RequestError
+
+
+def load(path: str | Path, changes: Changes = Changes()) -> Model:  # noqa: B008 - frozen and empty
+    """Read a model file; raises ``ModelError`` with every problem of the file."""
+    return reader.load(
+        Path(path),
+        fix=changes.fix,
+        settings=changes.settings,
+        outputs=changes.outputs,
+        without=changes.without,
+    )
+
+
+def with_claims(model: Model, path: str | Path) -> Model:
+    """Return the model with the claims of a file in place of its own."""
+    found = dict(reader.load_claims(model, path))
+    systems = tuple(replace(one, claims=found.pop(one.stage, ())) for one in model.systems)
+    return replace(model, systems=systems, claims=tuple(claim for rest in found.values() for claim in rest))
+
+
+def chosen_systems(model: Model, stages: tuple[str, ...]) -> tuple[System, ...]:
+    """Return the systems of the named stages in the model's order, all where none is named."""
+    known = [system.stage for system in model.systems if system.stage is not None]
+    for stage in stages:
+        if stage not in known:
+            raise RequestError(_unknown(f"{model.file}: no stage", stage, known))
+    return tuple(system for system in model.systems if not stages or system.stage in stages)
+
+
+def expanded_states(system: System, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return state names with vector names replaced by their components."""
+    expanded: list[str] = []
+    for name in names:
+        own = [state.name for state in system.states if name in (state.name, state.vector)]
+        if not own:
+            raise RequestError(_unknown("no state", name, list(system.state_names)))
+        expanded += own
+    return tuple(dict.fromkeys(expanded))
+
+
+def _unknown(what: str, name: str, known: list[str]) -> str:
+    import difflib  # noqa: PLC0415 - only an error pays for it
+
+    near = difflib.get_close_matches(name, known, n=1)
+    if near:
+        return f"{what} {name!r}; did you mean {near[0]!r}?"
+    listed = ", ".join(known[:20]) + (", …" if len(known) > 20 else "")
+    return f"{what} {name!r}; there are: {listed}" if known else f"{what} {name!r}; the model has none"
