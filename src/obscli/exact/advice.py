@@ -29,8 +29,10 @@ def advise(analysis: Analysis) -> tuple[str, ...]:
         )
     alone = [state for state, verdict in analysis.states.items() if verdict == "unobservable"]
     return (
-        f"Estimate the {analysis.rank} combinations above, not the {n} states: {missing} directions of the "
-        "state leave no trace in the outputs.",
+        (
+            f"Estimate the {analysis.rank} combinations above, not the {n} states: {missing} directions "
+            "of the state leave no trace in the outputs."
+        ),
         *_measure(analysis, alone),
         *_leave_out(analysis, alone),
         *_at_values(analysis),
@@ -65,7 +67,7 @@ def _measure(analysis: Analysis, alone: list[str]) -> list[str]:
 
 def _leave_out(analysis: Analysis, alone: list[str]) -> list[str]:
     """Say which states a reduced estimator can do without: the free states of the kernel."""
-    free = [next(iter(reversed(direction))) for direction in analysis.unobservable]
+    free = [list(direction)[-1] for direction in analysis.unobservable]
     coupled = [state for state in free if state not in alone]
     parts = []
     if alone:
@@ -81,8 +83,10 @@ def _at_values(analysis: Analysis) -> list[str]:
         return []
     because = ", ".join(at_values.because) or "together"
     return [
-        f"The file's values ({because}) cost {analysis.rank - at_values.rank} of the rank: change them to "
-        f"reach {analysis.rank}."
+        (
+            f"The file's values ({because}) cost {analysis.rank - at_values.rank} of the rank: "
+            f"change them to reach {analysis.rank}."
+        )
     ]
 
 

@@ -159,8 +159,10 @@ def _notes(system: System) -> tuple[str, ...]:
         return ()
     names = ", ".join(f.name for f in system.functions if f.derivative is None)
     return (
-        f"The rank holds for generic {names}; relations among them that the file does not state "
-        "can lower it.",
+        (
+            f"The rank holds for generic {names}; relations among them that the file does not state "
+            "can lower it."
+        ),
     )
 
 

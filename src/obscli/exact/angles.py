@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from obscli.exact.polynomial import Polynomial
 
 #: A multiple of a base angle beyond this is taken as an angle of its own (kept apart, hence only generic).
-LARGEST_MULTIPLE = 24
+LARGEST_MULTIPLE = 64
 
 CosSin: TypeAlias = tuple[Element, Element]
 
@@ -76,15 +76,22 @@ def hyperbolic(it: Interpreter, function: str, argument: Element) -> Element:
 
 
 def split(it: Interpreter, argument: Element) -> list[tuple[Fraction, str, Element]]:
-    """Split an element into rational multiples of atoms: (coefficient, name of the atom, atom)."""
-    denominator = argument.den
-    content = int(_content(denominator))
-    primitive = denominator / content
+    """Split an element into rational multiples of atoms: (coefficient, name of the atom, atom).
+
+    What can be divided is, so that t/(1 + t) = 1 - 1/(1 + t) and 1/(1 + t) share their atoms.
+    """
+    if not argument:
+        return []
+    content = _content(argument.den)
+    primitive = argument.den / content
+    scale = abs(int(primitive.leading_coefficient())) ** (1 + sum(map(int, argument.num.degrees())))
+    whole, rest = divmod(argument.num * scale, primitive)
     parts = []
-    for exponents, coefficient in argument.num.terms():
-        monomial = it.field.ctx.from_dict({exponents: 1})
-        atom = it.field.fraction(monomial, primitive)
-        parts.append((Fraction(int(coefficient), content), _atom_name(it, monomial, primitive), atom))
+    for polynomial, below in ((whole, it.field.one_polynomial), (rest, primitive)):
+        for exponents, coefficient in polynomial.terms():
+            monomial = it.field.ctx.from_dict({exponents: 1})
+            atom = it.field.fraction(monomial, below)
+            parts.append((Fraction(int(coefficient), content * scale), _atom_name(it, monomial, below), atom))
     return parts
 
 

@@ -11,7 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from obscli.exact.roots import evident_sign
+from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.interpreter import Interpreter
+from obscli.exact.roots import evident_sign, sign_of
+from obscli.model.expression import Expression
 
 
 if TYPE_CHECKING:
@@ -94,3 +97,16 @@ def allowed_by_assumptions(exact: ExactSystem, factor: Polynomial) -> bool:
     used = [k for k, degree in enumerate(factor.degrees()) if degree > 0]
     single = len(used) == 1 and len(factor) == 1
     return not (single and exact.field.generators[used[0]].name in nonzero)
+
+
+def value_allowed(exact: ExactSystem, name: str, value: Expression) -> bool:
+    """Whether a parameter may take a value: not a negative one where it is assumed positive."""
+    parameter = next(p for p in exact.system.parameters if p.name == name)
+    if parameter.assume != "positive":
+        return True
+    try:
+        interpreter = Interpreter(exact.system, [value])
+        element = interpreter.read(value)
+        return sign_of(interpreter, element.num * element.den) != -1
+    except (UndecidedError, UndefinedError):
+        return True

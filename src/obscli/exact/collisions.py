@@ -47,6 +47,8 @@ def collision_candidates(
     found.update(content_candidates(exact, [rate.num for rate in ruled], "collision"))
     if any(_has_parameters(exact, rate) for rate in ruled):
         left_out.append("parameter values at which functions given by a rule become dependent")
+    if _has_powers(exact):
+        left_out.append("exponents at which a power such as u^a becomes algebraic")
     for kind in ("angle", "exponential", "primitive"):
         indices = [k for k, g in enumerate(field.generators) if g.kind == kind and field.varies(k)]
         if not indices:
@@ -63,6 +65,17 @@ def collision_candidates(
             if combined:
                 found.update(content_candidates(exact, [combined.num], "collision"))
     return found, tuple(left_out)
+
+
+def _has_powers(exact: ExactSystem) -> bool:
+    """Whether an exponent or angle contains a logarithm or inverse function: exp(a log u), sin(a atan u)."""
+    primitives = [k for k, g in enumerate(exact.field.generators) if g.kind == "primitive"]
+    return any(
+        exact.interpreter.read(g.argument).num.degrees()[k] > 0
+        for g in exact.field.generators
+        if g.kind in {"angle", "exponential"} and g.argument is not None
+        for k in primitives
+    )
 
 
 def _has_parameters(exact: ExactSystem, element: Element) -> bool:

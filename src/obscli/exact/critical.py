@@ -18,6 +18,7 @@ from obscli.exact.candidates import (
     allowed_by_assumptions,
     content_candidates,
     has_real_zeros,
+    value_allowed,
 )
 from obscli.exact.collisions import collision_candidates
 from obscli.exact.errors import UndecidedError, UndefinedError
@@ -28,7 +29,7 @@ from obscli.exact.rerun import rerun
 from obscli.exact.screen import full_rank_on
 from obscli.exact.solve import Solution, points_at_infinity, proved_definite, solve, takes_both_signs
 from obscli.exact.tidy import merge_opposite_angles
-from obscli.model.expression import Symbol, add, negate, symbols
+from obscli.model.expression import Expression, symbols
 from obscli.model.notation import to_text
 
 
@@ -81,20 +82,14 @@ def _denominators(proof: Proof) -> Iterable[Polynomial]:
 
 def _try(search: _Search, candidate: Candidate) -> None:
     proof, polynomial = search.proof, candidate.polynomial
-    if candidate.origin == "denominator":
-        expression = proof.restorer.row_unscaled([polynomial])[0]
-        search.values.append(
-            CriticalValue(
-                _condition(proof, polynomial),
-                "undefined",
-                None,
-                (),
-                "A or H does not exist there",
-                zero=expression,
-            )
-        )
-        return
     interpreter = proof.exact.interpreter
+    if candidate.origin == "denominator":
+        solutions = solve(interpreter, polynomial)
+        search.values += [_undefined(s.condition, s.equation) for s in solutions]
+        if not solutions:
+            expression = proof.restorer.polynomial(polynomial)
+            search.values.append(_undefined(_condition(proof, polynomial), expression))
+        return
     if _keeps_generators(proof, candidate) and full_rank_on(proof.exact, polynomial, proof.saturation):
         return
     if not takes_both_signs(interpreter, polynomial) and len(polynomial) > 1:
@@ -112,8 +107,8 @@ def _try(search: _Search, candidate: Candidate) -> None:
 def _keeps_generators(proof: Proof, candidate: Candidate) -> bool:
     """Whether the generators stay independent on the hypersurface, so that the screen is conclusive.
 
-    They may not where a parameter in the polynomial occurs in the argument of an angle, an exponent or a
-    primitive as well (on phi = 0 the tangent of phi/2 is 0).
+    They may not where a parameter in the polynomial occurs in the argument of an angle, an exponent, a
+    primitive or a root as well (on phi = 0 the tangent of phi/2 is 0).
     """
     if candidate.origin == "collision":
         return False
@@ -123,16 +118,18 @@ def _keeps_generators(proof: Proof, candidate: Candidate) -> bool:
         for k, degree in enumerate(candidate.polynomial.degrees())
         if degree > 0 and generators[k].kind == "parameter"
     }
-    arguments = [g.argument for g in generators if g.argument is not None and g.kind != "root"]
+    arguments = [g.argument for g in generators if g.argument is not None]
+    arguments += [coefficient for g in generators if g.kind == "root" for coefficient in g.relation]
     return not named & symbols(*arguments)
 
 
 def _confirm(search: _Search, solution: Solution, *, allowed: bool) -> None:
-    condition = f"{solution.name} = {to_text(solution.value)}"
+    condition = solution.condition
+    allowed = allowed and value_allowed(search.proof.exact, solution.name, solution.value)
     try:
         result = rerun(search.proof, {solution.name: solution.value})
     except UndefinedError:
-        search.values.append(CriticalValue(condition, "undefined", None, (), "A or H does not exist there"))
+        search.values.append(_undefined(condition, solution.equation))
         return
     except UndecidedError as error:
         _leave_open(search, condition, str(error))
@@ -146,9 +143,13 @@ def _confirm(search: _Search, solution: Solution, *, allowed: bool) -> None:
             result.rank,
             result.lost,
             "" if allowed else "outside what the file assumes",
-            zero=add(Symbol(solution.name), negate(solution.value)),
+            zero=solution.equation,
         )
     )
+
+
+def _undefined(condition: str, zero: Expression) -> CriticalValue:
+    return CriticalValue(condition, "undefined", None, (), "A or H does not exist there", zero=zero)
 
 
 def _leave_open(search: _Search, condition: str, reason: str) -> None:
@@ -157,7 +158,7 @@ def _leave_open(search: _Search, condition: str, reason: str) -> None:
 
 
 def _condition(proof: Proof, polynomial: Polynomial) -> str:
-    return f"{to_text(proof.restorer.row_unscaled([polynomial])[0])} = 0"
+    return f"{to_text(proof.restorer.polynomial(polynomial))} = 0"
 
 
 def _codimension(proof: Proof) -> tuple[str, ...]:

@@ -106,7 +106,7 @@ def _factor_trials(
         value = negate(divide(above, below))
         if generator.order == 0 and generator.function in symbols(value):
             continue
-        equation = frozenset([to_text(proof.restorer.row_unscaled([factor])[0])])
+        equation = frozenset([to_text(proof.restorer.polynomial(factor))])
         if generator.order == 0:
             yield equation, {generator.function: value}, {}
         else:

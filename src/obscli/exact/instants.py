@@ -28,7 +28,7 @@ def search_instants(proof: Proof) -> tuple[str, ...]:
     """Return conditions on time, as text, at which the observability matrix loses rank."""
     if not proof.exact.varies:
         return ()
-    found = []
+    found: list[Polynomial] = []
     for factor in _factors(proof):
         chosen = next(iter(points_on(factor)), None)
         if chosen is None:
@@ -40,8 +40,19 @@ def search_instants(proof: Proof) -> tuple[str, ...]:
         except UndecidedError:
             continue
         if lost:
-            found.append(f"{to_text(proof.restorer.row_unscaled([factor])[0])} = 0")
-    return tuple(found)
+            found.append(factor)
+    return tuple(f"{to_text(proof.restorer.polynomial(p))} = 0" for p in _merged(proof, found))
+
+
+def _merged(proof: Proof, factors: list[Polynomial]) -> list[Polynomial]:
+    """Multiply factors in the same single angle: tan(θ/2) = ±1 are together cos θ = 0."""
+    products: dict[object, Polynomial] = {}
+    for number, factor in enumerate(factors):
+        used = [k for k, degree in enumerate(factor.degrees()) if degree > 0]
+        single = len(used) == 1 and proof.exact.field.generators[used[0]].kind == "angle"
+        key = used[0] if single else ("apart", number)
+        products[key] = products[key] * factor if key in products else factor
+    return list(products.values())
 
 
 def _factors(proof: Proof) -> list[Polynomial]:

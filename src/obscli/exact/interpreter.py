@@ -30,11 +30,11 @@ from obscli.model.expression import (
     Sum,
     Symbol,
     add,
-    children,
     divide,
     multiply,
     negate,
     number,
+    postorder,
     power,
     symbols,
 )
@@ -94,9 +94,12 @@ class Interpreter:
         self._memo: dict[int, tuple[Expression, Element]] = {}
         self._applied: dict[tuple[str, str, str], Element] = {}
         self.field = Field([*self._base_generators(), *self._adjoined], self._derivation)
+        self.logarithms: list[tuple[str, Element]] = []
         for generator in self._adjoined:
             if generator.kind == "root":
                 self.field.set_relation(generator.name, self._relation(generator))
+            elif generator.function == "log" and generator.argument is not None:
+                self.logarithms.append((generator.name, self.read(generator.argument)))
 
     def _base_generators(self) -> list[Generator]:
         time = self.system.time
@@ -130,7 +133,7 @@ class Interpreter:
         return relation
 
     def _read_all(self, roots: Sequence[Expression]) -> None:
-        functions = [node for node in _postorder(roots) if isinstance(node, Apply | Power)]
+        functions = [node for node in postorder(*roots) if isinstance(node, Apply | Power)]
         for batch in (functions, roots):
             self._read_batch(batch)
 
@@ -161,7 +164,7 @@ class Interpreter:
     def _impose(self, relation: Expression) -> None:
         """Make one function algebraic over the others, by a relation ``relation`` = 0."""
         relation = _without_square_root(relation)
-        self._read_batch([node for node in _postorder([relation]) if isinstance(node, Apply | Power)])
+        self._read_batch([node for node in postorder(relation) if isinstance(node, Apply | Power)])
         numerator = self.read(relation).num
         if numerator.is_zero():
             return
@@ -169,7 +172,7 @@ class Interpreter:
         parts = [self.expression(c) for c in polynomial_coefficients(numerator, self.field.index[name])]
         self.definitions[name] = _largest_root(parts)
         self._rebuild()
-        self._read_batch(_postorder([self.definitions[name]]))
+        self._read_batch(list(postorder(self.definitions[name])))
         self._name_root(name)
         self._check_invariant_rule(name)
 
@@ -375,19 +378,3 @@ def _without_square_root(relation: Expression) -> Expression:
         return relation
     rest = add(*(t for t in terms if t is not roots[0]))
     return add(roots[0].base, negate(power(rest, 2)))
-
-
-def _postorder(roots: Iterable[Expression]) -> list[Expression]:
-    """Return all nodes of the expressions, each once, subexpressions first."""
-    order: list[Expression] = []
-    seen: set[int] = set()
-    stack = [(root, False) for root in roots]
-    while stack:
-        node, expanded = stack.pop()
-        if expanded:
-            order.append(node)
-        elif id(node) not in seen:
-            seen.add(id(node))
-            stack.append((node, True))
-            stack.extend((child, False) for child in children(node))
-    return order

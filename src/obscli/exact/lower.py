@@ -16,7 +16,7 @@ from flint import arb, arb_mat
 from obscli.exact.ball import BallPoint, OutsideDomainError, precision, random_point
 from obscli.exact.errors import UndecidedError
 from obscli.exact.finding import LowerBound
-from obscli.model.expression import Derivative, Expression, children, symbols
+from obscli.model.expression import Derivative, Expression, postorder, symbols
 
 
 if TYPE_CHECKING:
@@ -104,7 +104,12 @@ def minor(
 
 def used_names(system: System) -> frozenset[str]:
     """Return the names on which A, H and the rules of the functions in them depend."""
-    names = symbols(*system.A.entries.values(), *system.H.entries.values())
+    return names_behind(system, [*system.A.entries.values(), *system.H.entries.values()])
+
+
+def names_behind(system: System, expressions: Iterable[Expression]) -> frozenset[str]:
+    """Return the names in expressions, and in the rules and relations of the functions among them."""
+    names = symbols(*expressions)
     while True:
         rules = [f.derivative for f in system.functions if f.derivative is not None and f.name in names]
         relations = [i.expression for i in system.invariants if symbols(i.expression) & names]
@@ -116,20 +121,13 @@ def used_names(system: System) -> frozenset[str]:
 
 def highest_derivative(system: System) -> int:
     """Return the highest order of ``deriv`` of a function in the matrices."""
-    return max(map(_highest, (*system.A.entries.values(), *system.H.entries.values())), default=0)
+    return highest_derivative_of([*system.A.entries.values(), *system.H.entries.values()])
 
 
-def _highest(root: Expression) -> int:
-    best, seen, stack = 0, set(), [root]
-    while stack:
-        node = stack.pop()
-        if id(node) in seen:
-            continue
-        seen.add(id(node))
-        if isinstance(node, Derivative):
-            best = max(best, node.order)
-        stack.extend(children(node))
-    return best
+def highest_derivative_of(expressions: Iterable[Expression]) -> int:
+    """Return the highest order of ``deriv`` of a function in expressions."""
+    nodes = postorder(*expressions)
+    return max((node.order for node in nodes if isinstance(node, Derivative)), default=0)
 
 
 def _series_rows(point: BallPoint, matrix: Matrix) -> list[dict[int, arb_series]]:

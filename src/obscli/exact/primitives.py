@@ -15,7 +15,7 @@ from flint import fmpq, fmpq_mat
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.field import Element, Generator
 from obscli.exact.missing import MissingError
-from obscli.exact.roots import _factors, _stable, rational_power
+from obscli.exact.roots import _factors, _stable, rational_power, sign_of
 from obscli.model.expression import Apply, Expression, divide, number
 
 
@@ -24,6 +24,16 @@ if TYPE_CHECKING:
     from obscli.exact.polynomial import Polynomial
 
 _HALF = Fraction(1, 2)
+#: Squares of positive sines and tangents of multiples of π, with the multiple.
+_TURNS = {
+    "asin": {
+        Fraction(1, 4): Fraction(1, 6),
+        Fraction(1, 2): Fraction(1, 4),
+        Fraction(3, 4): Fraction(1, 3),
+        Fraction(1): Fraction(1, 2),
+    },
+    "atan": {Fraction(1, 3): Fraction(1, 6), Fraction(1): Fraction(1, 4), Fraction(3): Fraction(1, 3)},
+}
 
 
 def primitive(it: Interpreter, function: str, argument: Element) -> Element:
@@ -57,15 +67,13 @@ def _logarithm(it: Interpreter, argument: Element) -> Element:
     field = it.field
     if not argument:
         raise UndefinedError
-    result, rest = field.zero, field.one
+    result, rest = field.zero, argument
     for factor, exponent in _factors(argument):
-        element = Element(field, factor, field.one_polynomial)
         generator = _exponential_generator(it, factor)
         if generator is not None:
             assert generator.argument is not None
             result = result + field.rational(exponent) * it.read(generator.argument)
-        elif not (-factor).is_one():
-            rest = rest * element**exponent
+            rest = rest / Element(field, factor, field.one_polynomial) ** exponent
     return result + _combination_of_logarithms(it, rest) if rest != field.one else result
 
 
@@ -77,17 +85,18 @@ def _exponential_generator(it: Interpreter, factor: Polynomial) -> Generator | N
 
 
 def _combination_of_logarithms(it: Interpreter, argument: Element) -> Element:
-    """Return log(argument) as a rational combination of known logarithms, or ask for a new one."""
+    """Return log(argument) as a rational combination of known logarithms, or ask for a new one.
+
+    Arguments of logarithms are positive, so their signs agree: |u| = Π |u_j|^q_j is u = Π u_j^q_j.
+    """
     field = it.field
-    known = [g for g in field.generators if g.function == "log"]
-    vectors = [_exponents(it.read(g.argument)) for g in known if g.argument is not None]
-    target = _exponents(argument)
-    coefficients = _solve(vectors, target)
+    known = it.logarithms
+    coefficients = _solve([_exponents(u) for _, u in known], _exponents(argument))
     if coefficients is None:
         return _adjoin(it, "log", argument, divide(number(1), it.element_expression(argument)))
     total = field.zero
-    for generator, coefficient in zip(known, coefficients, strict=True):
-        total = total + field.rational(coefficient) * field.generator(generator.name)
+    for (name, _), coefficient in zip(known, coefficients, strict=True):
+        total = total + field.rational(coefficient) * field.generator(name)
     return total
 
 
@@ -130,12 +139,13 @@ def _inverse(it: Interpreter, function: str, argument: Element) -> Element:
 
 
 def _known_angle(it: Interpreter, function: str, argument: Element) -> Element | None:
-    """atan 1 = π/4, asin 1 = π/2, asin 1/2 = π/6."""
+    """atan 1 = π/4, asin 1/2 = π/6, and the like, as multiples of π."""
     field = it.field
-    one = Fraction(1)
-    turns = {("atan", one): Fraction(1, 4), ("asin", one): Fraction(1, 2), ("asin", _HALF): Fraction(1, 6)}
-    for (name, value), turn in turns.items():
-        if name == function and argument == field.rational(value):
+    if not it.is_numeric(argument) or sign_of(it, argument.num) != 1 or sign_of(it, argument.den) != 1:
+        return None
+    square = argument * argument
+    for value, turn in _TURNS[function].items():
+        if square == field.rational(value):
             return it.constant_pi() * field.rational(turn)
     return None
 

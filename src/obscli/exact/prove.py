@@ -20,6 +20,7 @@ from obscli.exact.finding import Certificate, LowerBound, UpperBound
 from obscli.exact.identity import fingerprint, independent_constants
 from obscli.exact.kernel import Kernel, invariant_kernel, kernel_columns
 from obscli.exact.lower import prove_lower_bound
+from obscli.exact.nonzero import require_nonzero
 from obscli.exact.restore import Restorer
 from obscli.exact.saturation import Saturation, saturate
 from obscli.model.expression import Expression
@@ -96,7 +97,10 @@ def prove_read(exact: ExactSystem, columns: Sequence[int]) -> Proof:
     flag = eliminate(exact, saturation, columns)
     kernel = invariant_kernel(exact, kernel_columns(exact.field, flag.rows, columns))
     lower = prove_lower_bound(exact.system, exact.interpreter, saturation.rows, list(flag.rows))
-    return Proof(exact, saturation, flag, kernel, lower, Restorer(exact.interpreter))
+    proof = Proof(exact, saturation, flag, kernel, lower, Restorer(exact.interpreter))
+    # the rank is proved; that every coefficient printed differs from zero is proved here
+    require_nonzero(exact.interpreter, [e for row in proof.echelon for e in row.values()])
+    return proof
 
 
 def certificate(proof: Proof) -> Certificate:

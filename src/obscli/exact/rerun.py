@@ -6,16 +6,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from obscli.exact.errors import JetOverflowError
+from obscli.exact.errors import JetOverflowError, UndecidedError
 from obscli.exact.exact_system import more_jets, read_system
 from obscli.exact.field import Element
 from obscli.exact.kernel import dot
+from obscli.exact.lower import prove_lower_bound
 from obscli.exact.prove import prove_read
 from obscli.exact.saturation import stays_independent
 from obscli.model.specialise import Specialisation
 
 
 if TYPE_CHECKING:
+    from obscli.exact.exact_system import ExactSystem
     from obscli.exact.prove import Proof
     from obscli.model.expression import Expression
     from obscli.model.system import Covector
@@ -44,7 +46,7 @@ def rerun(
     images = [special.covector(combination) for combination in proof.echelon]
     extra = [e for image in images for e in image.values()]
     exact = read_system(system, extra)
-    if stays_independent(exact, proof.saturation):
+    if stays_independent(exact, proof.saturation) and _really(proof, exact):
         return None
     while True:
         try:
@@ -55,6 +57,20 @@ def rerun(
     if lower.rank == proof.rank:
         return None
     return Rerun(lower.rank, _lost(proof, lower, images))
+
+
+def _really(proof: Proof, exact: ExactSystem) -> bool:
+    """Whether the generic minor is seen to differ from zero on the specialised system in real numbers.
+
+    The generators may depend on each other there in secret, and then the screen modulo a prime means nothing.
+    """
+    try:
+        prove_lower_bound(
+            exact.system, exact.interpreter, proof.saturation.rows, list(proof.flag.rows), patient=False
+        )
+    except UndecidedError:
+        return False
+    return True
 
 
 def _lost(proof: Proof, lower: Proof, images: Sequence[Covector]) -> tuple[Covector, ...]:

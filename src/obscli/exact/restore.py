@@ -49,7 +49,7 @@ class Restorer:
 
     def row(self, row: Mapping[int, Polynomial]) -> dict[int, Expression]:
         """Return a row (scaled as a whole) as expressions: content removed, first entry with + sign."""
-        degrees = {k: (max((p.degrees()[k] for p in row.values()), default=0) + 1) // 2 for k in self._angles}
+        degrees = self._halves(row.values())
         restored = {j: self._restore(p, degrees) for j, p in row.items()}
         content = fold(lambda a, b: a.gcd(b), restored.values())
         first = restored[min(restored)]
@@ -77,13 +77,25 @@ class Restorer:
                 return function, polynomial_coefficients(form, index)
         return None
 
+    def polynomial(self, polynomial: Polynomial) -> Expression:
+        """Return a polynomial up to a constant factor (and powers of cos θ/2), for a condition = 0."""
+        restored = self._restore(polynomial, self._halves([polynomial]))
+        content = gcd(*(int(c) for c in restored.coeffs()))
+        shortest = self._shorten(restored / content)
+        return self._expression(-shortest if shortest.leading_coefficient() < 0 else shortest)
+
     def row_unscaled(self, entries: Iterable[Polynomial]) -> list[Expression]:
         """Return polynomials scaled alike by a common factor, without removing content or sign."""
         entries = list(entries)
-        degrees = {k: (max(p.degrees()[k] for p in entries) + 1) // 2 for k in self._angles}
+        degrees = self._halves(entries)
         restored = [self._restore(p, degrees) for p in entries]
         content = gcd(*(int(c) for p in restored for c in p.coeffs()))
         return [self._expression(p / content) for p in restored]
+
+    def _halves(self, polynomials: Iterable[Polynomial]) -> dict[int, int]:
+        """Return ⌈deg/2⌉ in each half-angle tangent over some polynomials."""
+        tops = [p.degrees() for p in polynomials]
+        return {k: (max((top[k] for top in tops), default=0) + 1) // 2 for k in self._angles}
 
     def _restore(self, polynomial: Polynomial, degrees: Mapping[int, int]) -> Polynomial:
         tables = {k: self._table(k, d) for k, d in degrees.items() if d > 0}

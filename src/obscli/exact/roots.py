@@ -118,8 +118,11 @@ def evident_sign(it: Interpreter, polynomial: Polynomial, *, assumed: bool = Tru
 def _square_root(it: Interpreter, radicand: Polynomial) -> Element:
     """Return √radicand for a squarefree radicand: a product of known roots, or a new generator."""
     field = it.field
-    known = [g for g in field.generators if g.kind == "root" and g.order == 2 and not g.function]
-    radicands = {g.name: it.read(g.relation[0]).num for g in known}
+    radicands = {
+        field.generators[k].name: field.ctx.gen(k) ** 2 - relation
+        for k, relation in field.relations
+        if relation.degrees()[k] == 2
+    }
     chosen = _dependence(radicands, radicand)
     if chosen is None:
         return _root(it, radicand, 2)

@@ -25,6 +25,7 @@ from obscli.model.expression import (
     Power,
     Product,
     Sum,
+    Symbol,
     add,
     divide,
     multiply,
@@ -52,6 +53,16 @@ class Solution:
 
     name: str
     value: Expression
+
+    @property
+    def equation(self) -> Expression:
+        """An expression that vanishes where the parameter has the value."""
+        return add(Symbol(self.name), negate(self.value))
+
+    @property
+    def condition(self) -> str:
+        """The condition as text: ``name = value``."""
+        return f"{self.name} = {to_text(self.value)}"
 
 
 def solve(it: Interpreter, polynomial: Polynomial) -> list[Solution]:
@@ -150,10 +161,34 @@ def _solve_tangent(it: Interpreter, polynomial: Polynomial, used: list[int]) -> 
             value = _twice_arctangent(ratio * ratio, ratio)
         else:
             value = _related_angle(it, polynomial, k) or multiply(number(2), Apply("atan", root))
-        solution = _invert(it, generator.argument, value)
-        if solution is not None:
-            return [solution]
+        solutions = _turns(it, generator.argument, [value])
+        if solutions:
+            return solutions
     return []
+
+
+def _turns(it: Interpreter, argument: Expression, values: list[Expression]) -> list[Solution]:
+    """Solve base angle = value modulo 2π: for an angle k p all of p = (value + 2πj)/k, j < k."""
+    turns = 1
+    if isinstance(argument, Product) and isinstance(argument.factors[0], Number):
+        turns = argument.factors[0].value.numerator
+    whole = [_turned(value, j, turns) for value in values for j in range(turns)]
+    return [s for value in whole if (s := _invert(it, argument, value)) is not None]
+
+
+def _turned(value: Expression, j: int, turns: int) -> Expression:
+    """Return value + 2πj, where it is a multiple of π brought into (-k, k] π for k turns."""
+    match value:
+        case Pi():
+            multiple = Fraction(1)
+        case Number(v) if v == 0:
+            multiple = Fraction(0)
+        case Product((Number(v), Pi())):
+            multiple = v
+        case _:
+            return add(value, multiply(number(2 * j), Pi())) if j else value
+    multiple += 2 * j
+    return multiply(Number(multiple - 2 * turns if multiple > turns else multiple), Pi())
 
 
 def _related_angle(it: Interpreter, polynomial: Polynomial, k: int) -> Expression | None:
@@ -183,7 +218,7 @@ def _solve_alone(it: Interpreter, polynomial: Polynomial, k: int) -> list[Soluti
         roots = [r for r in _constant_roots(polynomial_coefficients(polynomial, k)) if _positive(r)]
         values: list[Expression] = [Apply("log", root) for root in roots]
     elif generator.kind == "angle":
-        values = _angles(it, polynomial, k)
+        return _turns(it, generator.argument, _angles(it, polynomial, k))
     else:
         return []
     return [s for value in values if (s := _invert(it, generator.argument, value)) is not None]
@@ -324,10 +359,11 @@ def proved_definite(it: Interpreter, polynomial: Polynomial) -> bool:
 
 def points_at_infinity(it: Interpreter) -> list[tuple[str, Solution | None]]:
     """Return base angles b = π of constants: τ = tan(b/2) is infinite there, so no factor shows it."""
-    found = []
+    found: list[tuple[str, Solution | None]] = []
     for k, generator in enumerate(it.field.generators):
         if generator.kind == "angle" and not generator.numeric and not it.field.varies(k):
             assert generator.argument is not None
             condition = f"{to_text(generator.argument)} = pi"
-            found.append((condition, _invert(it, generator.argument, Pi())))
+            solutions: list[Solution | None] = [*_turns(it, generator.argument, [Pi()])]
+            found += [(condition, solution) for solution in solutions or [None]]
     return found

@@ -162,7 +162,7 @@ def _values(
     ]
     result = {}
     for name, (key, value) in draft.at.items():
-        if name not in scope.values:
+        if name not in scope.values or scope.values[name].entries[0].linear:
             message = f"'{shown(name)}' is no parameter{nearest(name, parameters)}"
             problems.add(key.problem(f"{draft.path}.at", message))
             continue

@@ -10,7 +10,7 @@ import yaml
 
 from obscli.core.place import ModelError, Problem
 from obscli.model.pieces import first_open, mend
-from obscli.model.source import Source
+from obscli.model.source import HARMFUL, Source
 from obscli.model.tree import Broken, Mapping, Node, Scalar, Sequence
 from obscli.model.trouble import Problems, shown
 
@@ -81,7 +81,17 @@ class _Composer:
         start, end = event.start_mark, event.end_mark
         raw = self._source.text[start.index : end.index]
         style = event.style or ""
-        return Scalar(self._source, start.line + 1, start.column + 1, event.value, raw, style)
+        scalar = Scalar(self._source, start.line + 1, start.column + 1, event.value, raw, style)
+        harmful = HARMFUL.search(event.value) if style == '"' else None
+        if harmful:
+            message = (
+                f"an escape in this text gives the character U+{ord(harmful[0]):04X}, which is not allowed"
+            )
+            hint = "control characters, escape codes and invisible marks have no place in a model; delete it"
+            self._problems.add(scalar.problem(self._path(), message, hint))
+            clean = HARMFUL.sub("?", event.value)
+            return Scalar(self._source, scalar.line, scalar.column, clean, raw, style)
+        return scalar
 
     def _collection(self, done: _Open) -> Node:
         mark, flow = done.event.start_mark, bool(done.event.flow_style)

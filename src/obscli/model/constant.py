@@ -58,7 +58,7 @@ def _value(
     """Return the value and whether it names other parameters."""
     if parameter.value is None:
         return None, False
-    derived = not parameter.value.names.isdisjoint(draft.parameters)
+    derived = any(name in draft.parameters for name in parameter.value.names)
     return constant(parameter.value, scope, problems), derived
 
 

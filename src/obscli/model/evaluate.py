@@ -140,7 +140,8 @@ def _steps(formula: Formula, steps: tuple[Located, ...], values: list[Value], sc
         del values[start:]
         try:
             value = _apply(located, arguments, scope)
-            scope.meter.charge(1 if isinstance(value, Listing) else value.weight)
+            if located.step.operation not in {"number", "list"}:
+                scope.meter.charge(1 if isinstance(value, Listing) else value.weight)
         except (Impossible, ExpressionTooLarge) as error:
             hint = getattr(error, "hint", "")
             raise formula.trouble(getattr(error, "message", str(error)), hint, located) from None

@@ -181,10 +181,10 @@ def children(node: Expression) -> tuple[Expression, ...]:
     return ()
 
 
-def postorder(root: Expression, known: Container[int] = frozenset()) -> Iterator[Expression]:
+def postorder(*roots: Expression, known: Container[int] = frozenset()) -> Iterator[Expression]:
     """Yield every distinct node once, those inside it first; skip what is known by its ``id``."""
     done: set[int] = set()
-    stack = [(root, False)]
+    stack = [(root, False) for root in reversed(roots)]
     while stack:
         node, ready = stack.pop()
         if id(node) in done or id(node) in known:
@@ -287,7 +287,7 @@ class TimeDerivative:
 
     def __call__(self, node: Expression) -> Expression:
         """Return the time derivative of the expression."""
-        for part in postorder(node, self._memo):
+        for part in postorder(node, known=self._memo):
             if self._most is not None and len(self._memo) > self._most:
                 raise ExpressionTooLarge("the time derivative grows beyond any model; derive fewer times")
             self._memo[id(part)] = (part, self._derive(part))

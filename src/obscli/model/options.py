@@ -7,9 +7,12 @@ from dataclasses import dataclass, replace
 
 from obscli.model.draft import Draft, Entry, ParameterDraft
 from obscli.model.expression import Expression
+from obscli.model.form import ZERO_FORM
 from obscli.model.formula import Formula, formula
+from obscli.model.scope import Absent, Scope
 from obscli.model.source import Source, checked
 from obscli.model.system import Matrix, Output, Quantity, State, System
+from obscli.model.tensor import Tensor
 from obscli.model.tree import Scalar
 from obscli.model.trouble import Problems, nearest, shown
 
@@ -107,6 +110,7 @@ def _without(system: System, kept: list[int]) -> System:
     names = {state.name for state in states}
     return replace(
         system,
+        scope=system.scope and _narrowed(system.scope, set(system.state_names) - names),
         states=states,
         A=_taken(system.A, kept, kept),
         H=_taken(system.H, range(system.m), kept),
@@ -117,6 +121,22 @@ def _without(system: System, kept: list[int]) -> System:
         ),
         claims=(),
     )
+
+
+def _narrowed(scope: Scope, left_out: set[str]) -> Scope:
+    """Return the scope in which states left out are 0 in vectors and unknown by themselves."""
+    values = dict(scope.values)
+    absent = dict(scope.absent)
+    for name, value in scope.values.items():
+        if not any(left_out & form.linear.keys() for form in value.entries):
+            continue
+        if value.shape:
+            kept = (ZERO_FORM if left_out & form.linear.keys() else form for form in value.entries)
+            values[name] = Tensor(value.shape, tuple(kept))
+        else:
+            del values[name]
+            absent[name] = Absent(f"the state '{name}' is left out (--without)")
+    return replace(scope, values=values, absent=absent)
 
 
 def _restricted(one: Quantity, names: set[str]) -> Quantity:

@@ -15,7 +15,7 @@ LARGEST_FILE: Final = 5_000_000
 LONGEST_EXCERPT: Final = 110
 _BREAK: Final = re.compile(r"\r\n|\r|\n")
 #: Characters no model needs and a terminal or an editor might obey: controls, directions, line separators.
-_HARMFUL: Final = re.compile(
+HARMFUL: Final = re.compile(
     "[\\x00-\\x08\\x0b\\x0c\\x0e-\\x1f\\x7f-\\x9f\\u200b-\\u200f\\u2028-\\u202e\\u2060-\\u206f\\ufeff\\ufff9-\\uffff"
     "\\ud800-\\udfff]"
 )
@@ -53,7 +53,7 @@ def _one_cell(character: str) -> str:
     """Return the character, or a space or question mark as wide where it must not reach a terminal."""
     if character == "\t":
         return " "
-    return "?" if _HARMFUL.match(character) else character
+    return "?" if HARMFUL.match(character) else character
 
 
 def read_source(path: str | Path) -> Source:
@@ -93,7 +93,7 @@ def checked(text: str, file: str) -> Source:
     source = Source(file, text.removeprefix("\ufeff"))
     if len(text) > LARGEST_FILE:
         raise _unreadable(file, "the text is longer than 5 MB; a model is a few kilobytes of text")
-    harmful = _HARMFUL.search(source.text)
+    harmful = HARMFUL.search(source.text)
     if harmful:
         before = _BREAK.split(source.text[: harmful.start()])
         message = f"character U+{ord(harmful[0]):04X} is not allowed in a model file"

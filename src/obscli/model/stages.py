@@ -13,16 +13,20 @@ from obscli.model.keys import fields
 from obscli.model.meter import Meter
 from obscli.model.sections import STAGE_KEYS, read_draft
 from obscli.model.system import System
+from obscli.model.tokens import LONGEST_NAME
 from obscli.model.tree import Node
-from obscli.model.trouble import Problems, nearest, shown
+from obscli.model.trouble import Problems, is_printable, nearest, shown
 
 
 def read_stages(node: Node | None, problems: Problems) -> dict[str, Draft]:
     """Read the replacements of every stage."""
-    return {
-        name: read_draft(value, f"stages.{name}", STAGE_KEYS, problems)
-        for name, (_, value) in fields(node, "stages", None, problems).items()
-    }
+    stages = {}
+    for name, (key, value) in fields(node, "stages", None, problems).items():
+        if not name.strip() or len(name) > LONGEST_NAME or not all(map(is_printable, name)):
+            message = f"'{shown(name)}' is no name of a stage: one line of at most {LONGEST_NAME} characters"
+            problems.add(key.problem("stages", message))
+        stages[name] = read_draft(value, f"stages.{name}", STAGE_KEYS, problems)
+    return stages
 
 
 @dataclass(frozen=True, slots=True, eq=False)

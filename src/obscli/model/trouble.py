@@ -73,7 +73,8 @@ def nearest(name: str, known: Iterable[str]) -> str:
     """
     if len(name) > LONGEST_SHOWN:
         return ""
-    names = sorted(set(known))[:2000]
+    letters, spare = set(name.casefold()), max(2, len(name) // 2)
+    names = sorted({k for k in known if abs(len(k) - len(name)) <= spare and letters & set(k.casefold())})
     folded = [k for k in names if k.casefold() == name.casefold()]
-    close = folded or difflib.get_close_matches(name, names, n=1, cutoff=0.6)
+    close = folded or difflib.get_close_matches(name, names[:500], n=1, cutoff=0.6)
     return f"; did you mean '{shown(close[0])}'?" if close else ""
