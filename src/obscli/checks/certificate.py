@@ -14,14 +14,14 @@ from fractions import Fraction
 from flint import arb, arb_mat
 
 from obscli.core.check import CheckResult
-from obscli.exact.ball import BallPoint, OutsideDomainError, precision
+from obscli.exact.ball import BallPoint, OutsideDomainError, precision, random_point
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.exact_system import ExactSystem, Row, more_jets, read_system
 from obscli.exact.field import Element
 from obscli.exact.finding import Certificate
 from obscli.exact.identity import fingerprint, independent_constants
 from obscli.exact.kernel import dot, drift
-from obscli.exact.lower import PRECISIONS, minor, used_names
+from obscli.exact.lower import PRECISIONS, highest_derivative, minor, used_names
 from obscli.model.expression import Expression
 from obscli.model.system import Covector, System
 
@@ -83,7 +83,12 @@ def _check(system: System, certificate: Certificate, combinations: Sequence[Cove
 def _check_shape(system: System, certificate: Certificate) -> None:
     rank, lower = certificate.rank, certificate.lower
     names = system.state_names
-    _require(len(certificate.upper.kernel) == system.n - rank, "the number of directions is not n - rank")
+    upper = certificate.upper
+    _require(len(upper.kernel) == system.n - rank, "the number of directions is not n - rank")
+    square = len(upper.multiplier) == len(upper.kernel) and all(
+        len(column) == len(upper.kernel) for column in upper.multiplier
+    )
+    _require(square, "the multiplier X is not square, of the size of N")
     _require(len(lower.rows) == len(lower.columns) == rank, "the minor is not of the size of the rank")
     _require(len(set(lower.rows)) == rank and len(set(lower.columns)) == rank, "a row or column stands twice")
     _require(set(lower.columns) <= set(names), "a column of the minor is not a state")
@@ -93,6 +98,7 @@ def _check_shape(system: System, certificate: Certificate) -> None:
         max((order for _, order in lower.rows), default=0) == certificate.order,
         "the minor does not reach the order given",
     )
+    _require(all(order >= 0 for _, order in lower.rows), "a row of the minor has a negative order")
     _require(certificate.order < max(system.n, 1), "the order is not below n")
     _require(lower.precision in PRECISIONS, "the precision is none of those used")
 
@@ -160,8 +166,9 @@ def _point(system: System, exact: ExactSystem, certificate: Certificate) -> dict
     except (ValueError, ZeroDivisionError) as error:
         raise _RejectedError(f"a value of the point is not a rational number: {error}") from error
     needed = used_names(system) - exact.interpreter.definitions.keys()
-    given = {name.rstrip("'") for name in values}
-    _require(given == needed, "the point does not give a value for each name, and no others")
+    depth = certificate.order + 1 + highest_derivative(system)
+    expected = random_point(system, needed, depth, 0).keys()
+    _require(values.keys() == expected, "the point does not give a value for each name, and no others")
     positive = {p.name for p in system.parameters if p.assume == "positive"}
     _require(all(v > 0 for name, v in values.items() if name in positive), "the point violates `assume`")
     return values

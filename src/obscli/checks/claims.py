@@ -6,7 +6,8 @@ iff its rows are observable, independent, and as many as the rank.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from typing import TypeAlias
 
 from obscli.core.check import CheckResult
@@ -18,6 +19,7 @@ from obscli.exact.exact_system import ExactSystem, Row, read_system
 from obscli.exact.field import Element, common_denominator
 from obscli.exact.finding import Analysis, Undecided
 from obscli.exact.kernel import dot
+from obscli.exact.nonzero import first_nonzero
 from obscli.model.expression import Expression
 from obscli.model.notation import to_text
 from obscli.model.specialise import Specialisation, at_nominal
@@ -101,14 +103,15 @@ class _Checker:
         if claim.rank is not None:
             yield self._rank(claim.rank, claim.rank_place or claim.place)
         if claim.basis is not None:
-            yield self._basis(claim.basis)
+            place = claim.basis[0].place if claim.basis else claim.place
+            text = f"these {len(claim.basis)} combinations are a complete basis (rank {self.analysis.rank})"
+            yield self._decide(text, partial(self._basis, claim.basis), place)
         for q in claim.observable:
-            yield self._verdict(f"{_text(q)} is observable", self._unseen(q) is None, self._why(q), q.place)
+            yield self._decide(f"{_text(q)} is observable", partial(self._observable, q), q.place)
         for q in claim.unobservable:
-            reason = "it is an observable combination"
-            yield self._verdict(f"{_text(q)} is not observable", self._unseen(q) is not None, reason, q.place)
+            yield self._decide(f"{_text(q)} is not observable", partial(self._unobservable, q), q.place)
         for q in claim.directions:
-            yield self._direction(q)
+            yield self._decide(self._written(q), partial(self._direction, q), q.place)
         for state, (verdict, place) in claim.states.items():
             found = self.analysis.states.get(state, "not a state here")
             yield self._verdict(f"{state} is {verdict}", found == verdict, f"it is {found}", place)
@@ -120,6 +123,14 @@ class _Checker:
             text + self.suffix, "holds" if holds else "fails", "proved exactly" if holds else reason, place
         )
 
+    def _decide(self, text: str, problem: Callable[[], str], place: Place) -> CheckResult:
+        """Return the verdict on a claim by what is wrong with it (empty: nothing), undecided where it is."""
+        try:
+            reason = problem()
+        except UndecidedError as error:
+            return CheckResult(text + self.suffix, "undecided", str(error), place)
+        return self._verdict(text, not reason, reason, place)
+
     def _rank(self, rank: int, place: Place) -> CheckResult:
         found = self.analysis.rank
         return self._verdict(f"rank {rank}", found == rank, f"the rank is {found}", place)
@@ -127,26 +138,22 @@ class _Checker:
     def _unseen(self, quantity: Quantity) -> int | None:
         """Return the first unobservable direction that a combination does not annihilate."""
         row: Row = self.row(self.image[id(quantity)])
-        for k, column in enumerate(self.kernel):
-            if dot(self.exact.field, row, column):
-                return k
-        return None
+        products = [dot(self.exact.field, row, column) for column in self.kernel]
+        return first_nonzero(self.exact.interpreter, products)
 
-    def _why(self, quantity: Quantity) -> str:
+    def _unobservable(self, quantity: Quantity) -> str:
+        return "it is an observable combination" if self._unseen(quantity) is None else ""
+
+    def _observable(self, quantity: Quantity) -> str:
         k = self._unseen(quantity)
         if k is None:
             return ""
         direction = ", ".join(f"{s}: {to_text(e)}" for s, e in self.analysis.unobservable[k].items())
         return f"not observable: it changes along the unobservable direction ({direction})"
 
-    def _basis(self, basis: tuple[Quantity, ...]) -> CheckResult:
-        rank = self.analysis.rank
-        problems = [f"{_text(q)} is {self._why(q)}" for q in basis if self._unseen(q) is not None]
-        if not problems:
-            problems = self._incomplete(basis)
-        place = basis[0].place if basis else self.claim.place
-        text = f"these {len(basis)} combinations are a complete basis (rank {rank})"
-        return self._verdict(text, not problems, "; ".join(problems), place)
+    def _basis(self, basis: tuple[Quantity, ...]) -> str:
+        problems = [f"{_text(q)} is {why}" for q in basis if (why := self._observable(q))]
+        return "; ".join(problems or self._incomplete(basis))
 
     def _incomplete(self, basis: tuple[Quantity, ...]) -> list[str]:
         independent: list[PolyRow] = []
@@ -178,16 +185,20 @@ class _Checker:
                 return _covector(combination.coefficients)
         return "a combination of the proved basis"
 
-    def _direction(self, quantity: Quantity) -> CheckResult:
+    def _direction(self, quantity: Quantity) -> str:
         column = self.row(self.image[id(quantity)])
-        seen = next((k for k, row in enumerate(self.basis) if dot(self.exact.field, row, column)), None)
-        reason = "" if column else "it is zero"
-        if seen is not None:
-            combination = _covector(self.analysis.combinations[seen].coefficients)
-            reason = f"the observable combination {combination} changes along it"
+        if not column:
+            return "it is zero"
+        products = [dot(self.exact.field, row, column) for row in self.basis]
+        seen = first_nonzero(self.exact.interpreter, products)
+        if seen is None:
+            return ""
+        combination = _covector(self.analysis.combinations[seen].coefficients)
+        return f"the observable combination {combination} changes along it"
+
+    def _written(self, quantity: Quantity) -> str:
         written = ", ".join(f"{s}: {to_text(e)}" for s, e in quantity.coefficients.items())
-        text = f"direction ({written}) is unobservable"
-        return self._verdict(text, column and seen is None, reason, quantity.place)
+        return f"direction ({written}) is unobservable"
 
 
 def _quantities(claim: Claim) -> Iterable[Quantity]:

@@ -11,10 +11,12 @@ from obscli.exact.basis import preferred_basis, sparse_basis
 from obscli.exact.critical import search_critical_values
 from obscli.exact.echelon import PolyRow
 from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.exact_system import read_system
 from obscli.exact.field import Element
 from obscli.exact.finding import Analysis, Combination, Neglect, Undecided
 from obscli.exact.kernel import dot
 from obscli.exact.nominal import rank_at_values
+from obscli.exact.nonzero import first_nonzero
 from obscli.exact.origin import first_rows
 from obscli.exact.prove import Proof, certificate, prove
 from obscli.exact.saturation import saturate
@@ -190,12 +192,11 @@ def contained(analysis: Analysis, covectors: list[Covector]) -> list[bool]:
     ------
     UndecidedError : zero cannot be decided for some coefficient
     """
-    from obscli.exact.exact_system import read_system  # noqa: PLC0415
-
     entries = [e for c in (*covectors, *analysis.unobservable) for e in c.values()]
     exact = read_system(analysis.system, entries)
     read = exact.interpreter.read
     index = {name: j for j, name in enumerate(analysis.system.state_names)}
     rows = [{index[s]: read(e) for s, e in c.items() if s in index} for c in covectors]
     columns = [{index[s]: read(e) for s, e in d.items()} for d in analysis.unobservable]
-    return [not any(dot(exact.field, row, column) for column in columns) for row in rows]
+    products = [[dot(exact.field, row, column) for column in columns] for row in rows]
+    return [first_nonzero(exact.interpreter, product) is None for product in products]

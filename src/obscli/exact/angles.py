@@ -17,9 +17,9 @@ from fractions import Fraction
 from math import gcd, lcm
 from typing import TYPE_CHECKING, TypeAlias
 
-from obscli.exact.errors import UndecidedError
 from obscli.exact.field import Element, Generator
 from obscli.exact.missing import MissingError, RefineError
+from obscli.exact.naming import stable_name
 from obscli.model.expression import Apply, Expression, Number, divide, multiply, number
 
 
@@ -56,7 +56,7 @@ def exponential(it: Interpreter, argument: Element) -> Element:
     for coefficient, atom, element in split(it, argument):
         generator = _single_generator(it, element)
         if generator is not None and generator.function == "log" and generator.argument is not None:
-            result = result * _power(it, it.read(generator.argument), coefficient)
+            result = result * it.power(it.read(generator.argument), coefficient)
             continue
         step, multiple = _step(it, f"exp {atom}", coefficient)
         result = result * _base_exponential(it, element, step) ** multiple
@@ -101,16 +101,7 @@ def _content(polynomial: Polynomial) -> int:
 
 def _atom_name(it: Interpreter, monomial: Polynomial, denominator: Polynomial) -> str:
     """Name an atom by its generators, so that the name survives when the field is built again."""
-    return f"{_text(it, monomial)}/{_text(it, denominator)}"
-
-
-def _text(it: Interpreter, polynomial: Polynomial) -> str:
-    names = [generator.name for generator in it.field.generators]
-    terms = [
-        f"{coefficient}" + "".join(f"*{names[k]}^{e}" for k, e in enumerate(exponents) if e)
-        for exponents, coefficient in polynomial.terms()
-    ]
-    return "+".join(sorted(terms))
+    return f"{stable_name(it, monomial)}/{stable_name(it, denominator)}"
 
 
 def _step(it: Interpreter, atom: str, coefficient: Fraction) -> tuple[Fraction, int]:
@@ -210,17 +201,9 @@ def _of_inverse(it: Interpreter, generator: Generator) -> CosSin:
     u = it.read(generator.argument)
     one = it.field.one
     if generator.function == "asin":
-        return _power(it, one - u * u, Fraction(1, 2)), u
-    cosine = one / _power(it, one + u * u, Fraction(1, 2))
+        return it.power(one - u * u, Fraction(1, 2)), u
+    cosine = one / it.power(one + u * u, Fraction(1, 2))
     return cosine, u * cosine
-
-
-def _power(it: Interpreter, base: Element, exponent: Fraction) -> Element:
-    if exponent.denominator == 1:
-        return base**exponent.numerator
-    from obscli.exact.roots import rational_power  # noqa: PLC0415  (roots and angles call each other)
-
-    return rational_power(it, base, exponent)
 
 
 def _rational_turn(it: Interpreter, turn: Fraction) -> CosSin | None:
@@ -233,8 +216,8 @@ def _rational_turn(it: Interpreter, turn: Fraction) -> CosSin | None:
     degrees = int(turn * 180) % 360
     quarter, rest = divmod(degrees, 90)
     if rest not in sixths:
-        root3 = _power(it, field.rational(3), Fraction(1, 2)) if rest != 45 else one
-        root2 = _power(it, field.rational(2), Fraction(1, 2)) if rest in {15, 45, 75} else one
+        root3 = it.power(field.rational(3), Fraction(1, 2)) if rest != 45 else one
+        root2 = it.power(field.rational(2), Fraction(1, 2)) if rest in {15, 45, 75} else one
         quarter_root2 = root2 * field.rational(Fraction(1, 4))
         small, large = quarter_root2 * (root3 - one), quarter_root2 * (root3 + one)
         sixths |= {
@@ -248,11 +231,3 @@ def _rational_turn(it: Interpreter, turn: Fraction) -> CosSin | None:
     for _ in range(quarter):
         cosine, sine = -sine, cosine
     return cosine, sine
-
-
-def undecided_sign(what: str) -> UndecidedError:
-    """Return the error for a root whose sign is not known."""
-    return UndecidedError(
-        f"the sign of {what} is not known, so its root is not determined; "
-        "give `assume: positive` where it holds"
-    )

@@ -119,7 +119,7 @@ class QuantityVerdict:
 
     name: str
     coefficients: Covector
-    verdict: StateVerdict
+    verdict: StateVerdict | Literal["undecided"]
     group: tuple[str, ...]
 
 

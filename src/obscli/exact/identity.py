@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 def fingerprint(system: System) -> str:
     """Return a digest of states, outputs, A, H and relations, so that a certificate names its system."""
-    lines = [*system.state_names, *(output.name for output in system.outputs)]
+    lines = [system.time, *system.state_names, *(output.name for output in system.outputs)]
+    lines += [f"{p.name}: {p.assume}" for p in system.parameters]
     for label, matrix in (("A", system.A), ("H", system.H)):
         lines += [f"{label}{i},{j}={to_text(e)}" for (i, j), e in sorted(matrix.entries.items())]
     lines += [f"{f.name}'={to_text(f.derivative)}" for f in system.functions if f.derivative is not None]

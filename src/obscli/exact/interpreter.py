@@ -281,7 +281,7 @@ class Interpreter:
             case Power(base, exponent):
                 if exponent.denominator == 1:
                     return self.read(base) ** exponent.numerator
-                return rational_power(self, self.read(base), exponent)
+                return self.power(self.read(base), exponent)
         argument = self.read(node.argument)
         key = (node.function, str(argument.num), str(argument.den))
         if key not in self._applied:
@@ -313,6 +313,16 @@ class Interpreter:
         if function in _HYPERBOLIC:
             return hyperbolic(self, function, argument)
         return primitive(self, function, argument)
+
+    def power(self, base: Element, exponent: Fraction) -> Element:
+        """Return a rational power of an element."""
+        if exponent.denominator == 1:
+            return base**exponent.numerator
+        return rational_power(self, base, exponent)
+
+    def exponential(self, argument: Element) -> Element:
+        """Return exp of an element."""
+        return exponential(self, argument)
 
     def constant_pi(self) -> Element:
         """Return π, a transcendental constant."""

@@ -7,7 +7,7 @@ rests on it is undecided.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from obscli.exact.ball import BallPoint, OutsideDomainError, precision, random_point
@@ -18,6 +18,7 @@ from obscli.model.notation import to_text
 
 
 if TYPE_CHECKING:
+    from obscli.exact.field import Element
     from obscli.exact.interpreter import Interpreter
 
 _BITS = (128, 128, 512, 2000)
@@ -45,10 +46,37 @@ def require_nonzero(interpreter: Interpreter, expressions: Sequence[Expression])
         open_cases, bits = rest, next(attempts, 0)
         if not bits:
             break
-    raise UndecidedError(
-        f"it could not be decided whether {to_text(open_cases[0])} is zero: "
-        "functions in it may depend on each other"
-    )
+    raise UndecidedError(_reason(open_cases[0]))
+
+
+def first_nonzero(interpreter: Interpreter, elements: Sequence[Element]) -> int | None:
+    """Return the index of an element proved to differ from zero, None where all are zero.
+
+    Raises
+    ------
+    UndecidedError : elements look different from zero, but no ball confirms it of any
+    """
+    suspects = {k: interpreter.element_expression(e) for k, e in enumerate(elements) if e}
+    if not suspects:
+        return None
+    for seed, bits in zip(range(_POINTS), _every_precision(), strict=False):
+        rest = _not_seen(interpreter, list(suspects.values()), bits, seed)
+        seen = [k for k, e in suspects.items() if rest is not None and e not in rest]
+        if seen:
+            return seen[0]
+    raise UndecidedError(_reason(next(iter(suspects.values()))))
+
+
+def _every_precision() -> Iterator[int]:
+    """The precisions to try in turn, the highest for the remaining points."""
+    yield from _BITS
+    while True:
+        yield _BITS[-1]
+
+
+def _reason(expression: Expression) -> str:
+    text = to_text(expression)
+    return f"it could not be decided whether {text} is zero: functions in it may depend on each other"
 
 
 def _not_seen(

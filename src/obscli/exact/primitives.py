@@ -15,13 +15,13 @@ from flint import fmpq, fmpq_mat
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.field import Element, Generator
 from obscli.exact.missing import MissingError
-from obscli.exact.roots import _factors, _stable, rational_power, sign_of
+from obscli.exact.naming import stable_name
+from obscli.exact.roots import exponential_generator, irreducible_factors, pure_root, sign_of
 from obscli.model.expression import Apply, Expression, divide, number
 
 
 if TYPE_CHECKING:
     from obscli.exact.interpreter import Interpreter
-    from obscli.exact.polynomial import Polynomial
 
 _HALF = Fraction(1, 2)
 #: Squares of positive sines and tangents of multiples of π, with the multiple.
@@ -45,7 +45,7 @@ def primitive(it: Interpreter, function: str, argument: Element) -> Element:
         case "asinh":
             return _asinh(it, argument)
         case "acosh":
-            return _logarithm(it, argument + rational_power(it, argument * argument - field.one, _HALF))
+            return _logarithm(it, argument + it.power(argument * argument - field.one, _HALF))
         case "atanh":
             half = field.rational(_HALF)
             return half * _logarithm(it, (field.one + argument) / (field.one - argument))
@@ -59,7 +59,7 @@ def primitive(it: Interpreter, function: str, argument: Element) -> Element:
 def _asinh(it: Interpreter, argument: Element) -> Element:
     if argument and argument.num.leading_coefficient() < 0:
         return -_asinh(it, -argument)
-    root = rational_power(it, it.field.one + argument * argument, _HALF)
+    root = it.power(it.field.one + argument * argument, _HALF)
     return _logarithm(it, argument + root)
 
 
@@ -68,20 +68,19 @@ def _logarithm(it: Interpreter, argument: Element) -> Element:
     if not argument:
         raise UndefinedError
     result, rest = field.zero, argument
-    for factor, exponent in _factors(argument):
-        generator = _exponential_generator(it, factor)
+    for factor, exponent in irreducible_factors(argument):
+        generator = exponential_generator(it, factor)
         if generator is not None:
             assert generator.argument is not None
             result = result + field.rational(exponent) * it.read(generator.argument)
             rest = rest / Element(field, factor, field.one_polynomial) ** exponent
+            continue
+        root = pure_root(it, factor)
+        if root is not None:
+            inner = _logarithm(it, it.read(root.relation[0]))
+            result = result + field.rational(Fraction(exponent, root.order)) * inner
+            rest = rest / Element(field, factor, field.one_polynomial) ** exponent
     return result + _combination_of_logarithms(it, rest) if rest != field.one else result
-
-
-def _exponential_generator(it: Interpreter, factor: Polynomial) -> Generator | None:
-    for k, generator in enumerate(it.field.generators):
-        if generator.kind == "exponential" and factor == it.field.ctx.gen(k):
-            return generator
-    return None
 
 
 def _combination_of_logarithms(it: Interpreter, argument: Element) -> Element:
@@ -101,7 +100,9 @@ def _combination_of_logarithms(it: Interpreter, argument: Element) -> Element:
 
 
 def _exponents(element: Element) -> dict[str, int]:
-    return {str(factor): exponent for factor, exponent in _factors(element) if not (-factor).is_one()}
+    return {
+        str(factor): exponent for factor, exponent in irreducible_factors(element) if not (-factor).is_one()
+    }
 
 
 def _solve(vectors: list[dict[str, int]], target: dict[str, int]) -> list[Fraction] | None:
@@ -134,7 +135,7 @@ def _inverse(it: Interpreter, function: str, argument: Element) -> Element:
     if function == "atan":
         rule = field.one / (field.one + square)
     else:
-        rule = field.one / rational_power(it, field.one - square, _HALF)
+        rule = field.one / it.power(field.one - square, _HALF)
     return _adjoin(it, function, argument, it.element_expression(rule))
 
 
@@ -152,7 +153,7 @@ def _known_angle(it: Interpreter, function: str, argument: Element) -> Element |
 
 def _adjoin(it: Interpreter, function: str, argument: Element, rule: Expression) -> Element:
     """Return the primitive as a generator whose derivative is argument' · rule."""
-    name = f"{function}({_stable(it, argument.num)}/{_stable(it, argument.den)})"
+    name = f"{function}({stable_name(it, argument.num)}/{stable_name(it, argument.den)})"
     if name not in it.field.index:
         text = it.element_expression(argument)
         raise MissingError(

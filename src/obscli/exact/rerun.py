@@ -11,6 +11,7 @@ from obscli.exact.exact_system import more_jets, read_system
 from obscli.exact.field import Element
 from obscli.exact.kernel import dot
 from obscli.exact.lower import prove_lower_bound
+from obscli.exact.nonzero import first_nonzero
 from obscli.exact.prove import prove_read
 from obscli.exact.saturation import stays_independent
 from obscli.model.specialise import Specialisation
@@ -84,5 +85,5 @@ def _lost(proof: Proof, lower: Proof, images: Sequence[Covector]) -> tuple[Covec
     return tuple(
         combination
         for combination, row in zip(proof.echelon, rows, strict=True)
-        if any(dot(exact.field, row, column) for column in columns)
+        if first_nonzero(exact.interpreter, [dot(exact.field, row, column) for column in columns]) is not None
     )

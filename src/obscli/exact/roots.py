@@ -1,22 +1,26 @@
 """Rational powers: u^(p/q) as algebraic generators that do not secretly depend on each other.
 
-u = c Π f_i^(e_i) into irreducible factors. Full q-th powers come out of the root (with the sign that
-``assume`` fixes, else undecided); what remains, w, is a class in the group of elements modulo q-th
-powers. For q = 2 the classes of the radicands are vectors over GF(2): √w is adjoined only if w is
-independent of the radicands there (Kummer theory), otherwise it is a product of their roots: √2·√3 = √6.
+u = c Π f_i^(e_i) into irreducible factors. A positive factor f has one root g, g^d = f, d the least common
+denominator of its exponents: such roots are independent (Kummer theory), and √2·√3 = √6, a^(1/4)² = √a.
+Of the other factors full q-th powers come out of the root (with the sign that ``assume`` fixes, else
+undecided); what remains, w, is for q = 2 a vector over GF(2): √w is adjoined only if w is independent of
+the other radicands there, otherwise it is a product of their roots.
 """
 
 from __future__ import annotations
 
 from fractions import Fraction
+from math import lcm
 from typing import TYPE_CHECKING
 
 from flint import fmpz
 
-from obscli.exact.errors import UndefinedError
+from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.field import Element, Generator
-from obscli.exact.missing import MissingError
+from obscli.exact.missing import MissingError, RefineError
+from obscli.exact.naming import stable_name
 from obscli.model.expression import Power
+from obscli.model.notation import to_text
 
 
 if TYPE_CHECKING:
@@ -27,6 +31,8 @@ if TYPE_CHECKING:
 def rational_power(it: Interpreter, base: Element, exponent: Fraction) -> Element:
     """Return base^exponent, real branch; exponent not an integer.
 
+    Factors that are evidently positive have powers of their own; the others stay together under one root.
+
     Raises
     ------
     UndecidedError : a full power under an even root has a sign that ``assume`` does not fix
@@ -36,6 +42,55 @@ def rational_power(it: Interpreter, base: Element, exponent: Fraction) -> Elemen
         if exponent < 0:
             raise UndefinedError
         return base
+    result, rest = it.field.one, it.field.one
+    for factor, multiplicity in irreducible_factors(base):
+        total = multiplicity * exponent
+        if (exponential := exponential_generator(it, factor)) is not None:
+            assert exponential.argument is not None
+            result = result * it.exponential(it.read(exponential.argument) * it.field.rational(total))
+        elif (root := pure_root(it, factor)) is not None:
+            result = result * it.power(it.read(root.relation[0]), total / root.order)
+        elif evident_sign(it, factor) == 1:
+            result = result * _positive_power(it, factor, total)
+        else:
+            rest = rest * Element(it.field, factor, it.field.one_polynomial) ** multiplicity
+    return result * _root_of_the_rest(it, rest, exponent)
+
+
+def exponential_generator(it: Interpreter, factor: Polynomial) -> Generator | None:
+    """Return the exponential that a polynomial is, if it is one."""
+    return _generator(it, factor, "exponential")
+
+
+def pure_root(it: Interpreter, factor: Polynomial) -> Generator | None:
+    """Return the positive root g^d = r that a polynomial is, if it is one."""
+    generator = _generator(it, factor, "root")
+    return generator if generator is not None and generator.positive else None
+
+
+def _generator(it: Interpreter, factor: Polynomial, kind: str) -> Generator | None:
+    if len(factor) != 1:
+        return None
+    for k, generator in enumerate(it.field.generators):
+        if generator.kind == kind and factor == it.field.ctx.gen(k):
+            return generator
+    return None
+
+
+def _positive_power(it: Interpreter, factor: Polynomial, exponent: Fraction) -> Element:
+    """Return a power of a positive irreducible polynomial f, as a power of g with g^d = f."""
+    if exponent.denominator == 1:
+        return Element(it.field, factor, it.field.one_polynomial) ** exponent.numerator
+    atom = f"root {stable_name(it, factor)}"
+    step = it.fineness.setdefault(atom, Fraction(1, exponent.denominator))
+    multiple = exponent / step
+    if multiple.denominator != 1:
+        raise RefineError(atom, Fraction(1, lcm(step.denominator, exponent.denominator)))
+    return _root(it, factor, step.denominator) ** multiple.numerator
+
+
+def _root_of_the_rest(it: Interpreter, base: Element, exponent: Fraction) -> Element:
+    """Return a power of a product of factors whose signs are not evident."""
     q = exponent.denominator
     outside, radicand = _take_out_powers(it, base, q)
     if radicand.is_one():
@@ -48,7 +103,7 @@ def _take_out_powers(it: Interpreter, base: Element, q: int) -> tuple[Element, P
     """Write base^(1/q) = outside · radicand^(1/q) with a radicand free of q-th powers."""
     field = it.field
     outside, radicand = field.one, field.one_polynomial
-    for factor, exponent in _factors(base):
+    for factor, exponent in irreducible_factors(base):
         whole, rest = divmod(exponent, q)
         if whole:
             piece = Element(field, factor, field.one_polynomial)
@@ -59,7 +114,7 @@ def _take_out_powers(it: Interpreter, base: Element, q: int) -> tuple[Element, P
     return outside, radicand
 
 
-def _factors(base: Element) -> list[tuple[Polynomial, int]]:
+def irreducible_factors(base: Element) -> list[tuple[Polynomial, int]]:
     """Return irreducible polynomials (primes and -1 among them) with exponents, denominators negative."""
     context = base.num.context()
     result: dict[str, tuple[Polynomial, int]] = {}
@@ -77,10 +132,10 @@ def _factors(base: Element) -> list[tuple[Polynomial, int]]:
 def _sign(it: Interpreter, polynomial: Polynomial) -> int:
     sign = sign_of(it, polynomial)
     if sign is None:
-        from obscli.exact.angles import undecided_sign  # noqa: PLC0415  (roots and angles call each other)
-        from obscli.model.notation import to_text  # noqa: PLC0415  (only for the message)
-
-        raise undecided_sign(to_text(it.expression(polynomial)))
+        raise UndecidedError(
+            f"the sign of {to_text(it.expression(polynomial))} is not known, so its root is not determined; "
+            "give `assume: positive` where it holds"
+        )
     return sign
 
 
@@ -161,12 +216,12 @@ def _reduce(
 def _class(polynomial: Polynomial) -> frozenset[str]:
     one = Element.__new__(Element)
     one.num, one.den = polynomial, polynomial.context().constant(1)
-    return frozenset(str(factor) for factor, exponent in _factors(one) if exponent % 2)
+    return frozenset(str(factor) for factor, exponent in irreducible_factors(one) if exponent % 2)
 
 
 def _root(it: Interpreter, radicand: Polynomial, q: int) -> Element:
     meaning = Power(it.expression(radicand), Fraction(1, q))
-    name = f"root{q}({_stable(it, radicand)})"
+    name = f"root{q}({stable_name(it, radicand)})"
     if name not in it.field.index:
         element = Element(it.field, radicand, it.field.one_polynomial)
         zeros = (it.expression(it.field.zero.num),) * (q - 1)
@@ -182,9 +237,3 @@ def _root(it: Interpreter, radicand: Polynomial, q: int) -> Element:
             )
         )
     return it.field.generator(name)
-
-
-def _stable(it: Interpreter, polynomial: Polynomial) -> str:
-    from obscli.exact.angles import _text  # noqa: PLC0415
-
-    return _text(it, polynomial)

@@ -6,11 +6,13 @@ on the choice of pivots (they are the components of the matroid of the columns).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
+from obscli.exact.errors import UndecidedError
 from obscli.exact.field import Element
 from obscli.exact.finding import QuantityVerdict, StateVerdict
 from obscli.exact.kernel import dot
+from obscli.exact.nonzero import first_nonzero
 
 
 if TYPE_CHECKING:
@@ -57,12 +59,14 @@ def quantity_verdict(
     field = interpreter.field
     row = {index[state]: interpreter.read(e) for state, e in quantity.coefficients.items()}
     row = {j: element for j, element in row.items() if element}
-    columns = (
+    columns = [
         {i: Element(field, p, field.one_polynomial) for i, p in column.items()} for column in kernel.values()
-    )
+    ]
     group = tuple(sorted((names[j] for c in components if c & row.keys() for j in c), key=index.__getitem__))
-    if not any(dot(field, row, column) for column in columns):
-        verdict: StateVerdict = "observable"
-    else:
-        verdict = "coupled" if group else "unobservable"
+    verdict: StateVerdict | Literal["undecided"] = "coupled" if group else "unobservable"
+    try:
+        if first_nonzero(interpreter, [dot(field, row, column) for column in columns]) is None:
+            verdict = "observable"
+    except UndecidedError:
+        verdict = "undecided"
     return QuantityVerdict(quantity.name, quantity.coefficients, verdict, group)

@@ -60,6 +60,7 @@ def evaluate(formula: Formula, scope: Scope, problems: Problems) -> Tensor | Non
     """
     bad = _unknown_names(formula, scope, problems)
     try:
+        scope.meter.charge(2)
         value = _run(formula, bad, scope, problems)
         if value is not None:
             scope.meter.weigh(value.entries)

@@ -21,12 +21,17 @@ class Meter:
         self._work = 0
         self._depths: dict[int, tuple[Expression, int]] = {}
 
+    @property
+    def is_exhausted(self) -> bool:
+        """Whether the limit is reached; nothing more is evaluated then."""
+        return self._work > MOST_WORK
+
     def charge(self, amount: int) -> None:
         """Add to the work done."""
-        if self._work > MOST_WORK:
+        if self.is_exhausted:
             raise Silence
         self._work += amount
-        if self._work > MOST_WORK:
+        if self.is_exhausted:
             raise Impossible(
                 f"the model takes over {MOST_WORK:,} operations to expand",
                 "a model takes a few thousand; look for expressions that grow at every step",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Final
 
 from obscli.core.place import Problem
 from obscli.model.claims import ClaimDraft
@@ -16,6 +17,9 @@ from obscli.model.system import System
 from obscli.model.tokens import LONGEST_NAME
 from obscli.model.tree import Node
 from obscli.model.trouble import Problems, is_printable, nearest, shown
+
+
+MOST_STAGES: Final = 500
 
 
 def read_stages(node: Node | None, problems: Problems) -> dict[str, Draft]:
@@ -44,25 +48,32 @@ class Variants:
         _check_forms(self.base, "", problems)
         for stage_name, stage in self.stages.items():
             self._check_replaced(stage_name, stage, problems)
-        variants: list[tuple[str | None, Draft]] = [
-            (name, merged(self.base, stage)) for name, stage in self.stages.items()
-        ]
+        names: list[str | None] = list(self.stages)
         if not any(stage.is_empty for stage in self.stages.values()):
-            variants.insert(0, (None, self.base))
+            names.insert(0, None)
+        if len(names) > MOST_STAGES:
+            message = f"{len(names)} stages; at most {MOST_STAGES} are read"
+            problems.add(self.base.node.problem("stages", message, "make the file several files"))
+            return ()
         elsewhere, meter, sound = self._elsewhere(), Meter(), not problems
         systems: list[System] = []
         found: dict[tuple[object, ...], tuple[Problem, list[str | None]]] = {}
-        for name, draft in variants:
+        for name in names:
             is_base = name is None and bool(self.stages)
             setting = Setting(name, is_base, sound, self.fix, elsewhere, self.claims, meter)
             here = Problems()
-            system = elaborate(merged(draft, self.settings), setting, here)
+            system = elaborate(merged(self._draft(name), self.settings), setting, here)
             systems += [] if system is None else [system]
             for problem in here:
                 found.setdefault((problem.place, problem.message), (problem, []))[1].append(name)
+            if meter.is_exhausted:
+                break
         for problem, where in found.values():
-            problems.add(_attributed(problem, where, len(variants)))
+            problems.add(_attributed(problem, where, len(names)))
         return tuple(systems)
+
+    def _draft(self, name: str | None) -> Draft:
+        return self.base if name is None else merged(self.base, self.stages[name])
 
     def _elsewhere(self) -> dict[str, str]:
         """Return the ``let`` names without a value in the base, with the stages that give one."""

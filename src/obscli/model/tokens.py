@@ -19,6 +19,7 @@ LONGEST_NAME: Final = 64
 Kind: TypeAlias = Literal["number", "name", "operator", "end"]
 
 _NUMBER: Final = re.compile(r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_PLAIN_NAME: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}(?![A-Za-z0-9_]|[^\x00-\x7f])")
 _OPERATORS: Final = ("**", "+", "-", "*", "/", "^", "@", "(", ")", "[", "]", ",", ".")
 _ADVICE: Final = {
     "<": "comparisons and if/else are not analytic; make the two cases two stages",
@@ -105,6 +106,9 @@ def _is_part(character: str) -> bool:
 
 
 def _name(text: str, at: int) -> Token | None:
+    plain = _PLAIN_NAME.match(text, at)
+    if plain is not None:
+        return Token("name", plain[0], at, len(plain[0]))
     if not _is_start(text[at]):
         return None
     end = at + 1
@@ -118,6 +122,8 @@ def _name(text: str, at: int) -> Token | None:
 
 def is_name(text: str) -> bool:
     """Whether the text can name something."""
+    if _PLAIN_NAME.fullmatch(text):
+        return True
     fits = bool(text) and len(text) <= LONGEST_NAME
     return fits and _is_start(text[0]) and all(_is_part(character) for character in text)
 

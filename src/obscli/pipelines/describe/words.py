@@ -13,10 +13,11 @@ SIGNS: Final[dict[StateVerdict, tuple[str, Role]]] = {
     "observable": ("●", "good"),
     "coupled": ("◐", "open"),
     "unobservable": ("·", "bad"),
+    "undecided": ("?", "open"),
 }
 
 
-def sign(verdict: StateVerdict) -> Text:
+def sign(verdict: StateVerdict | Literal["undecided"]) -> Text:
     """Return the sign of a verdict."""
     return Text(*SIGNS[verdict])
 

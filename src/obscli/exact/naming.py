@@ -1,0 +1,20 @@
+"""Names of generators by what they stand for, stable when the field is built again with more of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+
+if TYPE_CHECKING:
+    from obscli.exact.interpreter import Interpreter
+    from obscli.exact.polynomial import Polynomial
+
+
+def stable_name(it: Interpreter, polynomial: Polynomial) -> str:
+    """Write a polynomial in the names of the generators, terms sorted."""
+    names = [generator.name for generator in it.field.generators]
+    terms = [
+        f"{coefficient}" + "".join(f"*{names[k]}^{e}" for k, e in enumerate(exponents) if e)
+        for exponents, coefficient in polynomial.terms()
+    ]
+    return "+".join(sorted(terms))

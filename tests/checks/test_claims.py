@@ -1,0 +1,306 @@
+"""Claims of the bundled models hold; one thing altered in a claim makes it fail.
+
+A claim is altered so that it says something false: a rank one off, a verdict exchanged, a row or a term of a
+basis changed, a direction bent. Scaling a row or a direction as a whole would leave it true and is no
+alteration; neither is a state verdict that is not given.
+"""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from obscli.checks.claims import check_claims
+from obscli.exact.analysis import Options, analyze
+from obscli.model.expression import add, multiply, number
+from obscli.model.reader import load, read_text
+from obscli.model.system import Quantity
+
+
+MODELS = Path(__file__).parents[2] / "models"
+FILES = sorted(MODELS.glob("**/*.yaml"))
+FAST = Options(critical=False, certificate=False)
+ONE, TWO = number(1), number(2)
+OTHERS = {"observable": ("coupled", "unobservable"), "coupled": ("observable", "unobservable"),
+          "unobservable": ("observable", "coupled")}  # fmt: skip
+
+
+def _systems():
+    return [pytest.param(s, id=f"{f.stem}-{s.stage or 'base'}") for f in FILES for s in load(f).systems]
+
+
+def _verdicts(system, claims, analysis=None):
+    system = replace(system, claims=tuple(claims))
+    return [r.verdict for r in check_claims(system, analysis or analyze(system, FAST))]
+
+
+@pytest.mark.parametrize("system", _systems())
+def test_the_claims_of_every_bundled_model_hold(system):
+    results = check_claims(system, analyze(system, FAST))
+    assert results
+    assert [f"{r.claim}: {r.reason}" for r in results if r.verdict != "holds"] == []
+    assert all(r.place is not None for r in results)
+
+
+def _bent(quantity, state, factor):
+    coefficients = {**quantity.coefficients, state: multiply(factor, quantity.coefficients[state])}
+    return replace(quantity, coefficients=coefficients)
+
+
+def _put(items, k, item):
+    return (*items[:k], item, *items[k + 1 :])
+
+
+def _altered(claim, hidden, verdicts):
+    """Yield false versions of a claim, each with one thing altered.
+
+    ``hidden``: states that are not observable by themselves, ``verdicts`` those of the states, at the claim's values.
+    """
+    alone = replace(claim, rank=None, basis=None, observable=(), unobservable=(), directions=(), states={}, other={})
+    if claim.rank is not None:
+        yield "rank + 1", replace(alone, rank=claim.rank + 1)
+        yield "rank - 1", replace(alone, rank=claim.rank - 1)
+    yield from _altered_basis(claim, alone, hidden)
+    for k, q in enumerate(claim.observable):
+        yield f"observable {k} claimed unobservable", replace(alone, unobservable=(q,))
+        for state in _bendable(q, hidden):
+            yield f"observable {k}, {state} bent", replace(alone, observable=(_bent(q, state, TWO),))
+    for k, q in enumerate(claim.unobservable):
+        yield f"unobservable {k} claimed observable", replace(alone, observable=(q,))
+    for k, q in enumerate(claim.directions):
+        bendable = [s for s in q.coefficients if len(q.coefficients) > 1 and verdicts[s] != "unobservable"]
+        for state in bendable:
+            yield f"direction {k}, {state} doubled", replace(alone, directions=(_bent(q, state, TWO),))
+            yield f"direction {k}, {state} negated", replace(alone, directions=(_bent(q, state, number(-1)),))
+        yield f"direction {k} empty", replace(alone, directions=(replace(q, coefficients={}),))
+        for state in (s for s, v in verdicts.items() if v == "observable"):
+            more = replace(q, coefficients={**q.coefficients, state: ONE})
+            yield f"direction {k} with {state}", replace(alone, directions=(more,))
+    for state, (verdict, place) in claim.states.items():
+        for other in OTHERS[verdict]:
+            yield f"{state} {other}", replace(alone, states={state: (other, place)})
+
+
+def _bendable(quantity, hidden):
+    """States of a combination that alone would not be observable: changing their coefficient breaks it."""
+    return [s for s in quantity.coefficients if s in hidden]
+
+
+def _altered_basis(claim, alone, hidden):
+    basis = claim.basis or ()
+    for k, q in enumerate(basis):
+        yield f"row {k} left out", replace(alone, basis=(*basis[:k], *basis[k + 1 :]))
+        yield f"row {k} zero", replace(alone, basis=_put(basis, k, replace(q, coefficients={})))
+        if k:
+            yield f"row {k} twice", replace(alone, basis=_put(basis, k, basis[k - 1]))
+            both = {s: add(*(b.coefficients[s] for b in (q, basis[k - 1]) if s in b.coefficients))
+                    for s in q.coefficients.keys() | basis[k - 1].coefficients.keys()}  # fmt: skip
+            yield f"row {k} superfluous", replace(alone, basis=(*basis, replace(q, coefficients=both)))
+        for state in _bendable(q, hidden):
+            yield f"row {k}, {state} doubled", replace(alone, basis=_put(basis, k, _bent(q, state, TWO)))
+            yield f"row {k}, {state} negated", replace(alone, basis=_put(basis, k, _bent(q, state, number(-1))))
+            rest = {s: e for s, e in q.coefficients.items() if s != state}
+            yield f"row {k} without {state}", replace(alone, basis=_put(basis, k, replace(q, coefficients=rest)))
+        for state in hidden - q.coefficients.keys():
+            more = replace(q, coefficients={**q.coefficients, state: ONE})
+            yield f"row {k} with {state}", replace(alone, basis=_put(basis, k, more))
+
+
+def _analysis_at(system, claim):
+    from obscli.model.specialise import Specialisation, at_nominal
+
+    if claim.at is None:
+        return analyze(system, FAST)
+    special = at_nominal(system) if claim.at == "nominal" else Specialisation(system, claim.at)
+    return analyze(special.system(), FAST)
+
+
+@pytest.mark.parametrize("system", _systems())
+def test_a_claim_altered_in_one_thing_fails(system):
+    analysis = analyze(system, FAST)
+    tried, passed = 0, []
+    for number_, claim in enumerate(system.claims):
+        found = _analysis_at(system, claim)
+        hidden = {s for s, v in found.states.items() if v != "observable"}
+        versions = list(_altered(claim, hidden, found.states))
+        assert versions, f"claim {number_} says nothing that could be false"
+        tried += len(versions)
+        # all versions of one claim in one go: one field, one analysis for its values
+        for name, version in versions:
+            if "fails" not in _verdicts(system, [version], analysis):
+                passed.append((number_, name))
+    assert tried
+    assert not passed
+
+
+def _number_altered(text, start):
+    """Yield the text with one rank under ``claims``/``expect`` altered, for each of them."""
+    position = text.index("rank:", start) if "rank:" in text[start:] else -1
+    while position >= 0:
+        end = next((k for k in range(position + 6, len(text)) if not text[k].isdigit()), len(text))
+        yield text[: position + 6] + str(int(text[position + 6 : end]) + 1) + text[end:]
+        position = text.find("rank:", end)
+
+
+def _start(text):
+    """Where the claims begin."""
+    return min(text.index(key) for key in ("\nclaims:", "\nexpect:") if key in text)
+
+
+@cache
+def _analyses(file):
+    """The analyses of the unaltered file by stage: claims are no part of the system."""
+    return {s.stage: analyze(s, FAST) for s in load(file).systems}
+
+
+def _results_of(text, file, analyses):
+    return [r for s in read_text(text, file.name).systems for r in check_claims(s, analyses[s.stage])]
+
+
+def _results_of_ranks(text, file, analyses):
+    """The results of the claims whose rank is not the one in the file (the others are as they were)."""
+    results = []
+    for system, before in zip(read_text(text, file.name).systems, load(file).systems, strict=True):
+        pairs = zip(system.claims, before.claims, strict=True)
+        changed = tuple(claim for claim, old in pairs if claim.rank != old.rank)
+        results += check_claims(replace(system, claims=changed), analyses[system.stage])
+    return results
+
+
+@pytest.mark.parametrize("file", FILES, ids=[f.stem for f in FILES])
+def test_one_number_altered_in_the_file_makes_verification_fail(file):
+    text = file.read_text()
+    tried = 0
+    analyses = _analyses(file)
+    for altered in _number_altered(text, _start(text)):
+        tried += 1
+        broken = [r for r in _results_of_ranks(altered, file, analyses) if r.verdict == "fails"]
+        assert broken
+        assert all(r.place.file == file.name and r.place.line for r in broken)
+    assert tried
+
+
+# One term, sign or value altered by hand in each bundled file, under claims or expect.
+CORRUPTED = {
+    "accelerometer": ("basis: [dv, g*alpha - da]", "basis: [dv, g*alpha + da]"),
+    "gyro": ("directions: [{dv: -R, domega: 1}]", "directions: [{dv: R, domega: 1}]"),
+    "horizontal_channel": ("[{alpha: 1/g, da: 1}]", "[{alpha: 1/R, da: 1}]"),
+    "equator": ("- b_g2 + omega*M_g21", "- b_g2 - omega*M_g21"),
+    "horizontal": ("- b_g1 + omega*M_g12 - omega*M_a21", "- b_g1 - omega*M_a21"),
+    "pole": ("rank: 15", "rank: 16"),
+    "stage_1_sparse": ("omega_ie*sin(phi)/g*b_a1", "omega_ie*cos(phi)/g*b_a1"),
+    "vertical": ("rank: 12", "rank: 13"),
+    "accelerometer_only": ("at: {alpha_w: 0}", "at: {alpha_w: 1}"),
+    "gyro_only": ("dOm: observable", "dOm: coupled"),
+    "single_channel": ("dOm: -alpha_omega/g", "dOm: alpha_omega/g"),
+    "three_states": ("basis: [alpha, V, R]", "basis: [alpha, V, V + 2*alpha]"),
+    "attitude_quaternion": ("d2: -2*(q3*q4 - q1*q2)", "d2: -2*(q3*q4 + q1*q2)"),
+    "cardioid": ("at: {phi: pi}", "at: {phi: pi/2}"),
+    "double_integrator": ("directions: [{x: 1}]", "directions: [{v: 1}]"),
+    "frozen_observable": ("basis: [cos(omega*t)*x1 + sin", "basis: [cos(omega*t)*x1 - sin"),
+    "frozen_unobservable": ("at: {omega: 0}", "at: {omega: 1e-9}"),
+    "ins_velocity_aiding": ("b_E: omega_ie*cos(L)", "b_E: omega_ie*sin(L)"),
+    "levelling": ("unobservable: [tilt, b_a]", "unobservable: [tilt, b_g]"),
+    "mixed_coefficients": ("basis: [x1, x2, x3 - x4]", "basis: [x1, x2, x3 - 2*x4]"),
+    "oscillator_frequency": ("at: {a: 0}", "at: {a: 1/10}"),
+    "rotating_pair": ("basis: [x1]", "basis: [x2]"),
+    "two_tones": ("at: {a: -b}", "at: {a: 2*b}"),
+}
+
+
+@pytest.mark.parametrize("file", FILES, ids=[f.stem for f in FILES])
+def test_one_term_altered_in_the_file_makes_verification_fail(file):
+    old, new = CORRUPTED[file.stem]
+    text = file.read_text()
+    start = _start(text)
+    assert old in text[start:]
+    results = _results_of(text[:start] + text[start:].replace(old, new, 1), file, _analyses(file))
+    assert "fails" in [r.verdict for r in results]
+    assert "holds" in [r.verdict for r in results]
+
+
+# -- what a failing claim says
+
+
+SHIFT = """\
+parameters: {g: {value: 10, assume: positive}}
+states: [v, tilt, b_a]
+dynamics: {v: g*tilt + b_a}
+measurements: {y: v}
+claims:
+"""
+
+
+def _results(claims):
+    system = read_text(SHIFT + claims, "shift.yaml").systems[0]
+    return check_claims(system, analyze(system, FAST))
+
+
+@pytest.mark.parametrize(
+    ("claims", "reason"),
+    [
+        ("  - rank: 3\n", "the rank is 2"),
+        ("  - basis: [v]\n", "1 forgotten"),
+        ("  - basis: [v, g*tilt + b_a, 2*v]\n", "superfluous"),
+        ("  - basis: [v, tilt]\n", "not observable"),
+        ("  - basis: [v, g*tilt + b_a, tilt]\n", "tilt"),
+        ("  - observable: [b_a]\n", "unobservable direction"),
+        ("  - unobservable: [2*g*tilt + 2*b_a]\n", "it is an observable combination"),
+        ("  - directions: [{tilt: 1, b_a: g}]\n", "observable combination"),
+        ("  - directions: [{tilt: 0}]\n", "zero"),
+        ("  - states: {tilt: observable}\n", "coupled"),
+        ("  - at: {g: 1}\n    observable: [tilt - b_a]\n", "not observable"),
+        ("  - at: nominal\n    observable: [9*tilt + b_a]\n", "not observable"),
+    ],
+)
+def test_a_false_claim_fails_with_its_reason_and_place(claims, reason):
+    results = _results(claims)
+    assert [r.verdict for r in results] == ["fails"]
+    assert reason in results[0].reason
+    assert results[0].place.line >= 6
+
+
+@pytest.mark.parametrize(
+    "claims",
+    [
+        "  - rank: 2\n",
+        "  - basis: [7*v, tilt + b_a/g]\n",
+        "  - basis: [v + g*tilt + b_a, v]\n",
+        "  - observable: [sin(t)*v, sqrt(g^2)*tilt + b_a]\n",
+        "  - directions: [{tilt: t, b_a: -t*g}]\n",
+        "  - unobservable: [tilt, b_a, g*tilt - b_a]\n",
+        "  - at: nominal\n    observable: [10*tilt + b_a]\n",
+        "  - at: {g: sqrt(2)}\n    observable: [2*tilt + sqrt(2)*b_a]\n    unobservable: [tilt]\n",
+    ],
+)
+def test_a_true_claim_in_other_words_holds(claims):
+    assert {r.verdict for r in _results(claims)} == {"holds"}
+
+
+def test_a_claim_that_cannot_be_decided_is_neither_true_nor_false():
+    results = _results("  - observable: [sqrt(t^2)*tilt]\n  - rank: 2\n")
+    assert [r.verdict for r in results] == ["undecided", "holds"]
+    assert "sign" in results[0].reason
+
+
+def test_claims_at_values_where_the_system_does_not_exist_are_undecided():
+    system = read_text(
+        "parameters: {R: 1}\nstates: [x]\nA: [[1/R]]\nH: [[1]]\nclaims:\n  - at: {R: 0}\n    rank: 1\n", "nowhere.yaml"
+    ).systems[0]
+    results = check_claims(system, analyze(system, FAST))
+    assert [r.verdict for r in results] == ["undecided"]
+    assert results[0].reason
+
+
+def test_what_is_not_checked_yet_is_undecided_not_true():
+    results = _results("  - determined: [v]\n")
+    assert [r.verdict for r in results] == ["undecided"]
+
+
+def test_a_quantity_of_no_states_is_observable_and_never_a_row_of_a_basis():
+    system = read_text(SHIFT + "  - rank: 2\n", "shift.yaml").systems[0]
+    claim = system.claims[0]
+    nothing = Quantity("nothing", {}, claim.place)
+    assert _verdicts(system, [replace(claim, rank=None, observable=(nothing,))]) == ["holds"]
+    assert _verdicts(system, [replace(claim, rank=None, basis=(nothing, nothing))]) == ["fails"]

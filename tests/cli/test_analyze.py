@@ -1,0 +1,163 @@
+"""``obscli analyze``: options, formats, files."""
+
+import json
+
+import pytest
+
+
+KEYS = {
+    "rank", "order", "at_values", "frozen_rank", "combinations", "unobservable", "states", "groups",
+    "quantities", "certificate", "critical", "critical_complete",
+}  # fmt: skip
+
+
+def analysed(obscli, *arguments):
+    outcome = obscli("analyze", *arguments, "--format", "json")
+    assert (outcome.status, outcome.err) == (0, "")
+    return json.loads(outcome.out)
+
+
+def test_json_keeps_its_contract(obscli, stages):
+    data = analysed(obscli, stages)
+
+    assert data["schema"] == "obscli/1"
+    assert {"schema", "obscli", "results"} <= data.keys()
+    assert [result["model"]["stage"] for result in data["results"]][-2:] == ["still", "turning"]
+    for result in data["results"]:
+        assert {"model", "n", "m", "states", "analytic"} <= result.keys()
+        assert {"name", "file", "stage"} <= result["model"].keys()
+        analytic = result["analytic"]
+        assert analytic.keys() >= KEYS
+        assert {"rank", "because"} <= analytic["at_values"].keys()
+        for one in analytic["combinations"]:
+            assert {"expression", "latex", "coefficients", "constant", "first_from"} <= one.keys()
+            assert {"output", "order"} == one["first_from"].keys()
+        assert all("coefficients" in one for one in analytic["unobservable"])
+        assert all({"condition", "rank", "lost"} <= one.keys() for one in analytic["critical"])
+
+
+def test_what_is_found_of_two_stages(obscli, stages):
+    still, turning = (
+        result["analytic"] for result in analysed(obscli, stages)["results"] if result["model"]["stage"]
+    )
+
+    assert (still["rank"], turning["rank"]) == (1, 2)
+    assert still["states"] == {"tilt": "coupled", "bias": "coupled", "drift": "unobservable"}
+    assert turning["states"]["drift"] == "observable"
+    assert turning["quantities"] == {"sum": "coupled"}
+
+
+def test_terminal_report_ends_with_the_stages_compared(obscli, stages):
+    outcome = obscli("analyze", stages)
+
+    assert outcome.status == 0
+    assert "states × stages" in outcome.out
+    assert "● observable, ◐ coupled, · unobservable" in outcome.out
+
+
+def test_one_stage_only(obscli, stages):
+    data = analysed(obscli, stages, "--stage", "still")
+
+    assert [result["model"]["stage"] for result in data["results"]] == ["still"]
+
+
+def test_unknown_stage_is_named_with_the_nearest(obscli, stages):
+    outcome = obscli("analyze", stages, "--stage", "stil")
+
+    assert (outcome.status, outcome.out) == (2, "")
+    assert "did you mean 'still'?" in outcome.err
+
+
+def test_fix_says_what_it_changes(obscli, stages):
+    outcome = obscli("analyze", stages, "--stage", "turning", "--fix", "w=0")
+
+    assert outcome.status == 0
+    assert "What w = 0 changes" in outcome.out
+    assert "The rank goes from 2 to 1." in outcome.out
+
+
+def test_set_changes_the_rank_at_the_values_only(obscli, stages):
+    [result] = analysed(obscli, stages, "--stage", "turning", "--set", "w=0")["results"]
+
+    assert result["analytic"]["rank"] == 2
+    assert result["analytic"]["at_values"]["rank"] == 1
+
+
+def test_without_and_outputs(obscli, stages):
+    [result] = analysed(obscli, stages, "--stage", "turning", "--without", "bias", "--outputs", "y")[
+        "results"
+    ]
+
+    assert result["states"] == ["tilt", "drift"]
+
+
+@pytest.mark.parametrize("basis", ["echelon", "sparse"])
+def test_basis_and_pivot_order(obscli, stages, basis):
+    [result] = analysed(obscli, stages, "--stage", "still", "--basis", basis, "--pivot-order", "bias")[
+        "results"
+    ]
+
+    assert result["analytic"]["rank"] == 1
+
+
+def test_unknown_state_in_pivot_order(obscli, stages):
+    outcome = obscli("analyze", stages, "--pivot-order", "bais")
+
+    assert outcome.status == 2
+    assert "did you mean 'bias'?" in outcome.err
+
+
+def test_no_critical_leaves_the_section_out(obscli, stages):
+    assert "Where the rank drops" not in obscli("analyze", stages, "--no-critical").out
+
+
+def test_details_show_the_certificate(obscli, stages):
+    assert "Certificate" not in obscli("analyze", stages).out
+    assert "Certificate of the generic rank" in obscli("analyze", stages, "--details").out
+
+
+def test_only_what_there_is(obscli, stages):
+    assert obscli("analyze", stages, "--only", "analytic").status == 0
+    outcome = obscli("analyze", stages, "--only", "numeric")
+
+    assert outcome.status == 2
+    assert "not available yet" in outcome.err
+
+
+@pytest.mark.parametrize("given", ["w", "=1", "w="])
+def test_a_pair_needs_both_sides(obscli, stages, given):
+    outcome = obscli("analyze", stages, "--set", given)
+
+    assert outcome.status == 2
+    assert "NAME=VALUE" in outcome.err
+
+
+@pytest.mark.parametrize("form", ["terminal", "json", "markdown", "latex"])
+def test_output_goes_to_a_file(obscli, integrator, tmp_path, form):
+    file = tmp_path / "report.out"
+
+    outcome = obscli("analyze", integrator, "--format", form, "--output", file)
+
+    assert (outcome.status, outcome.out, outcome.err) == (0, "", "")
+    assert "integrator" in file.read_text(encoding="utf-8")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["integrator.yaml", "report.out"]
+
+
+def test_output_into_a_missing_directory(obscli, integrator, tmp_path):
+    outcome = obscli("analyze", integrator, "--output", tmp_path / "none" / "report.txt")
+
+    assert outcome.status == 2
+    assert "there is no directory" in outcome.err
+
+
+def test_a_missing_model_is_named(obscli, tmp_path):
+    outcome = obscli("analyze", tmp_path / "none.yaml")
+
+    assert (outcome.status, outcome.out) == (2, "")
+    assert "none.yaml" in outcome.err
+
+
+def test_width_follows_columns(obscli, stages, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+
+    assert max(len(line) for line in obscli("analyze", stages, "--details").out.splitlines()) <= 80
