@@ -17,6 +17,9 @@ from obscli.model.system import Covector, System
 #: observable: the state itself is known; coupled: it enters a combination; unobservable: it enters none.
 StateVerdict: TypeAlias = Literal["observable", "coupled", "unobservable"]
 
+#: The verdict of a quantity, whose own coefficients may leave it open.
+LinearFormVerdict: TypeAlias = StateVerdict | Literal["undecided"]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Combination:
@@ -119,7 +122,7 @@ class QuantityVerdict:
 
     name: str
     coefficients: Covector
-    verdict: StateVerdict | Literal["undecided"]
+    verdict: LinearFormVerdict
     group: tuple[str, ...]
 
 

@@ -6,11 +6,11 @@ on the choice of pivots (they are the components of the matroid of the columns).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from obscli.exact.errors import UndecidedError
 from obscli.exact.field import Element
-from obscli.exact.finding import QuantityVerdict, StateVerdict
+from obscli.exact.finding import LinearFormVerdict, QuantityVerdict, StateVerdict
 from obscli.exact.kernel import dot
 from obscli.exact.nonzero import first_nonzero
 
@@ -63,7 +63,7 @@ def quantity_verdict(
         {i: Element(field, p, field.one_polynomial) for i, p in column.items()} for column in kernel.values()
     ]
     group = tuple(sorted((names[j] for c in components if c & row.keys() for j in c), key=index.__getitem__))
-    verdict: StateVerdict | Literal["undecided"] = "coupled" if group else "unobservable"
+    verdict: LinearFormVerdict = "coupled" if group else "unobservable"
     try:
         if first_nonzero(interpreter, [dot(field, row, column) for column in columns]) is None:
             verdict = "observable"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from obscli.core.document import Inline, Role, Text
-from obscli.exact.finding import StateVerdict
+from obscli.exact.finding import LinearFormVerdict, StateVerdict
 
 
 #: The verdicts in the order of a report, with the sign each has in every format, and its role.
@@ -13,13 +13,13 @@ SIGNS: Final[dict[StateVerdict, tuple[str, Role]]] = {
     "observable": ("●", "good"),
     "coupled": ("◐", "open"),
     "unobservable": ("·", "bad"),
-    "undecided": ("?", "open"),
 }
+UNDECIDED: Final[tuple[str, Role]] = ("?", "open")
 
 
-def sign(verdict: StateVerdict | Literal["undecided"]) -> Text:
+def sign(verdict: LinearFormVerdict) -> Text:
     """Return the sign of a verdict."""
-    return Text(*SIGNS[verdict])
+    return Text(*(UNDECIDED if verdict == "undecided" else SIGNS[verdict]))
 
 
 def names(items: tuple[str, ...]) -> Inline:
