@@ -65,8 +65,12 @@ def _verdict(system, certificate, combinations):
 def _held(proved, altered):
     """Names of the alterations that the check lets pass, or stumbles over."""
     system, _, combinations = proved
-    verdicts = {name: _verdict_or_crash(system, certificate, combinations) for name, certificate in altered.items()}
-    return [f"{name}: {verdict}" for name, verdict in verdicts.items() if verdict not in {"fails", "undecided"}]
+    verdicts = {
+        name: _verdict_or_crash(system, certificate, combinations) for name, certificate in altered.items()
+    }
+    return [
+        f"{name}: {verdict}" for name, verdict in verdicts.items() if verdict not in {"fails", "undecided"}
+    ]
 
 
 def _verdict_or_crash(system, certificate, combinations):
@@ -116,7 +120,10 @@ def test_altered_headers_are_rejected(proved):
         "digest, one digit": replace(c, model=("0" if c.model[0] != "0" else "1") + c.model[1:]),
         "digest, cut": replace(c, model=c.model[:-1]),
         "assumes more": replace(c, assumes=(*c.assumes, "log(7)")),
-        **{f"assumes without {a}": replace(c, assumes=_without(c.assumes, k)) for k, a in enumerate(c.assumes)},
+        **{
+            f"assumes without {a}": replace(c, assumes=_without(c.assumes, k))
+            for k, a in enumerate(c.assumes)
+        },
         **({"assumes reversed": replace(c, assumes=c.assumes[::-1])} if len(c.assumes) > 1 else {}),
     }
     assert not _held(proved, altered)
@@ -161,7 +168,9 @@ def test_an_altered_point_is_rejected(proved):
         altered[f"{name} dropped"] = _lower(c, point=rest)
     assert not _held(proved, altered)
     # a value that may be moved freely does not enter the minor: the certificate says nothing false with it
-    verdicts = {name: _verdict_or_crash(system, certificate, combinations) for name, certificate in moved.items()}
+    verdicts = {
+        name: _verdict_or_crash(system, certificate, combinations) for name, certificate in moved.items()
+    }
     assert set(verdicts.values()) <= {"holds", "fails", "undecided"}
     for name in (n for n, verdict in verdicts.items() if verdict == "holds"):
         far = {**low.point, name: str(Fraction(low.point[name]) - Fraction(1, 23))}
@@ -213,7 +222,9 @@ def test_an_altered_direction_is_rejected(proved):
     for k, column in enumerate(up.kernel):
         altered[f"direction {k} dropped"] = _upper(c, kernel=_without(up.kernel, k))
         altered[f"direction {k} zero"] = _upper(c, kernel=_put(up.kernel, k, {}))
-        altered[f"direction {k} of an unknown state"] = _upper(c, kernel=_put(up.kernel, k, {**column, "zz": ONE}))
+        altered[f"direction {k} of an unknown state"] = _upper(
+            c, kernel=_put(up.kernel, k, {**column, "zz": ONE})
+        )
         if k:
             altered[f"direction {k} twice"] = _upper(c, kernel=_put(up.kernel, k, up.kernel[k - 1]))
         for state, entry in column.items():
@@ -249,7 +260,9 @@ def test_an_altered_multiplier_is_rejected(proved):
             if not is_zero(entry):
                 others |= {"negated": multiply(number(-1), entry), "zero": number(0)}
             for name, other in others.items():
-                altered[f"X[{j}, {k}] {name}"] = _upper(c, multiplier=_put(up.multiplier, k, _put(column, j, other)))
+                altered[f"X[{j}, {k}] {name}"] = _upper(
+                    c, multiplier=_put(up.multiplier, k, _put(column, j, other))
+                )
     assert not _held(proved, altered)
 
 
@@ -271,7 +284,9 @@ def test_an_altered_delay_is_rejected(proved):
         row = [j for i, j in system.H.entries if i == output]
         if len(row) == 1 and c.order:
             state = system.state_names[row[0]]
-            altered[f"with {state}"] = _upper(c, delay={**delay, state: add(delay.get(state, number(0)), ONE)})
+            altered[f"with {state}"] = _upper(
+                c, delay={**delay, state: add(delay.get(state, number(0)), ONE)}
+            )
     assert not _held(proved, altered)
 
 
@@ -289,8 +304,15 @@ def test_altered_combinations_are_rejected(proved):
         if k:
             versions["doubled"] = [*combinations[:k], combinations[k - 1], *combinations[k + 1 :]]
         for state in set(row) & kernel_states:
-            for name, other in (("plus one", add(row[state], ONE)), ("negated", multiply(number(-1), row[state]))):
-                versions[f"{state} {name}"] = [*combinations[:k], {**row, state: other}, *combinations[k + 1 :]]
+            for name, other in (
+                ("plus one", add(row[state], ONE)),
+                ("negated", multiply(number(-1), row[state])),
+            ):
+                versions[f"{state} {name}"] = [
+                    *combinations[:k],
+                    {**row, state: other},
+                    *combinations[k + 1 :],
+                ]
         for state in sorted(kernel_states - set(row))[:3]:
             versions[f"with {state}"] = [*combinations[:k], {**row, state: ONE}, *combinations[k + 1 :]]
         verdicts = {n: _verdict_or_crash(system, c, version) for n, version in versions.items()}
@@ -311,7 +333,12 @@ def test_a_certificate_of_another_system_is_rejected():
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [("omega_ie*cos(phi)", "omega_ie*sin(phi)"), ("g: {value: 9.81", "g: {value: 9.80"), ("psi: -cross", "psi: cross"), ("/g", "/g^2")],
+    [
+        ("omega_ie*cos(phi)", "omega_ie*sin(phi)"),
+        ("g: {value: 9.81", "g: {value: 9.80"),
+        ("psi: -cross", "psi: cross"),
+        ("/g", "/g^2"),
+    ],
 )
 def test_a_certificate_knows_whether_its_model_has_changed(old, new):
     text = (MODELS / "ins_calibration/horizontal.yaml").read_text()
@@ -330,7 +357,8 @@ def test_a_certificate_knows_the_assumptions_and_the_time_of_its_model():
     one = read_text(plain.format(how="positive", time="t"), "one.yaml").systems[0]
     certificate = analyze(one, Options(critical=False)).certificate
     other = read_text(
-        "parameters: {a: {assume: positive}, t: null}\ntime: s\nstates: [x, z]\nA: zeros(2, 2)\nH: [[cos(s), a]]\n", "two.yaml"
+        "parameters: {a: {assume: positive}, t: null}\ntime: s\nstates: [x, z]\nA: zeros(2, 2)\nH: [[cos(s), a]]\n",
+        "two.yaml",
     ).systems[0]
     assert _verdict(one, certificate, None) == "holds"
     assert _verdict(other, certificate, None) != "holds"
@@ -344,7 +372,13 @@ def test_a_lower_rank_cannot_be_certified_by_dropping_rows_and_adding_directions
         c,
         rank=1,
         order=0,
-        lower=replace(c.lower, rows=c.lower.rows[:1], columns=c.lower.columns[:1], midpoint="1.00000000000000", radius="0"),
+        lower=replace(
+            c.lower,
+            rows=c.lower.rows[:1],
+            columns=c.lower.columns[:1],
+            midpoint="1.00000000000000",
+            radius="0",
+        ),
         upper=replace(c.upper, kernel=({"v": ONE},), multiplier=((number(0),),), delay=None),
     )
     assert _verdict(system, forged, None) == "fails"
@@ -357,7 +391,13 @@ def test_a_higher_rank_cannot_be_certified_by_dropping_directions():
         c,
         rank=2,
         order=1,
-        lower=replace(c.lower, rows=(*c.lower.rows, (c.lower.rows[0][0], 1)), columns=("x", "v"), midpoint="1.0", radius="0"),
+        lower=replace(
+            c.lower,
+            rows=(*c.lower.rows, (c.lower.rows[0][0], 1)),
+            columns=("x", "v"),
+            midpoint="1.0",
+            radius="0",
+        ),
         upper=replace(c.upper, kernel=(), multiplier=(), delay={"x": ONE}),
     )
     assert _verdict(system, forged, None) == "fails"

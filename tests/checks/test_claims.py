@@ -57,7 +57,9 @@ def _altered(claim, hidden, verdicts):
 
     ``hidden``: states that are not observable by themselves, ``verdicts`` those of the states, at the claim's values.
     """
-    alone = replace(claim, rank=None, basis=None, observable=(), unobservable=(), directions=(), states={}, other={})
+    alone = replace(
+        claim, rank=None, basis=None, observable=(), unobservable=(), directions=(), states={}, other={}
+    )
     if claim.rank is not None:
         yield "rank + 1", replace(alone, rank=claim.rank + 1)
         yield "rank - 1", replace(alone, rank=claim.rank - 1)
@@ -99,9 +101,15 @@ def _altered_basis(claim, alone, hidden):
             yield f"row {k} superfluous", replace(alone, basis=(*basis, replace(q, coefficients=both)))
         for state in _bendable(q, hidden):
             yield f"row {k}, {state} doubled", replace(alone, basis=_put(basis, k, _bent(q, state, TWO)))
-            yield f"row {k}, {state} negated", replace(alone, basis=_put(basis, k, _bent(q, state, number(-1))))
+            yield (
+                f"row {k}, {state} negated",
+                replace(alone, basis=_put(basis, k, _bent(q, state, number(-1)))),
+            )
             rest = {s: e for s, e in q.coefficients.items() if s != state}
-            yield f"row {k} without {state}", replace(alone, basis=_put(basis, k, replace(q, coefficients=rest)))
+            yield (
+                f"row {k} without {state}",
+                replace(alone, basis=_put(basis, k, replace(q, coefficients=rest))),
+            )
         for state in hidden - q.coefficients.keys():
             more = replace(q, coefficients={**q.coefficients, state: ONE})
             yield f"row {k} with {state}", replace(alone, basis=_put(basis, k, more))
@@ -286,7 +294,8 @@ def test_a_claim_that_cannot_be_decided_is_neither_true_nor_false():
 
 def test_claims_at_values_where_the_system_does_not_exist_are_undecided():
     system = read_text(
-        "parameters: {R: 1}\nstates: [x]\nA: [[1/R]]\nH: [[1]]\nclaims:\n  - at: {R: 0}\n    rank: 1\n", "nowhere.yaml"
+        "parameters: {R: 1}\nstates: [x]\nA: [[1/R]]\nH: [[1]]\nclaims:\n  - at: {R: 0}\n    rank: 1\n",
+        "nowhere.yaml",
     ).systems[0]
     results = check_claims(system, analyze(system, FAST))
     assert [r.verdict for r in results] == ["undecided"]

@@ -39,7 +39,9 @@ def _shear(n, A, H, N, shear):
     for matrix in (A, H):
         for r in range(n):
             if (r, i) in matrix:
-                _accumulate(matrix, r, j, f"-{_times(f'({f})', matrix[r, i])}" if f != "1" else f"-({matrix[r, i]})")
+                _accumulate(
+                    matrix, r, j, f"-{_times(f'({f})', matrix[r, i])}" if f != "1" else f"-({matrix[r, i]})"
+                )
     for column in N:
         if j in column:
             term = _times(f, column[j])

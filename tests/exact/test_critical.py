@@ -202,8 +202,18 @@ def test_a_quadratic_condition_of_positive_parameters_has_one_branch(row):
         (("(a - b)*t", "1"), {"a": "positive", "b": "positive"}, {"a - b": 1}, {}),
         (("a*b*t", "1"), {"a": "nonzero", "b": "real"}, {"b": 1}, {"a": 1}),
         (("(a + 1)*t", "1"), {"a": "positive"}, {}, {"a + 1": 1}),
-        (("sin(a*t)", "sin(b*t)"), {"a": "positive", "b": "positive"}, {"a - b": 1}, {"a": 1, "b": 1, "a + b": 1}),
-        (("sin(a*t)", "sin(b*t)"), {"a": "nonzero", "b": "nonzero"}, {"a - b": 1, "a + b": 1}, {"a": 1, "b": 1}),
+        (
+            ("sin(a*t)", "sin(b*t)"),
+            {"a": "positive", "b": "positive"},
+            {"a - b": 1},
+            {"a": 1, "b": 1, "a + b": 1},
+        ),
+        (
+            ("sin(a*t)", "sin(b*t)"),
+            {"a": "nonzero", "b": "nonzero"},
+            {"a - b": 1, "a + b": 1},
+            {"a": 1, "b": 1},
+        ),
         (("a^2*b*t", "1"), {"a": "nonzero", "b": "nonzero"}, {}, {"a": 1, "b": 1}),
     ],
 )
@@ -283,7 +293,9 @@ def test_every_angle_of_a_turn_is_found(row, entry, angles):
     assert not left
 
 
-@pytest.mark.parametrize("entries", [("cos(phi)/cos(phi)", "t"), ("sin(w*t)^2 + cos(w*t)^2", "t"), ("a/a", "t")])
+@pytest.mark.parametrize(
+    "entries", [("cos(phi)/cos(phi)", "t"), ("sin(w*t)^2 + cos(w*t)^2", "t"), ("a/a", "t")]
+)
 def test_what_cancels_is_not_critical(row, entries):
     _, found = _search(row, entries)
     assert not [v for v in found.critical.values if v.kind == "confirmed"]
@@ -361,7 +373,11 @@ def test_a_term_that_cancels_the_drift_of_the_row(system):
 
 
 def _conditions(found):
-    return {frozenset(v.condition.removesuffix(" = 0").split(" = ")): v.rank for v in found.critical.values if v.functions}
+    return {
+        frozenset(v.condition.removesuffix(" = 0").split(" = ")): v.rank
+        for v in found.critical.values
+        if v.functions
+    }
 
 
 def test_identities_of_one_function(row):

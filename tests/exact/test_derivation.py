@@ -42,7 +42,18 @@ HALF = Fraction(1, 2)
 NUMBERS = st.fractions(min_value=-3, max_value=3, max_denominator=4).map(Number)
 LEAVES = st.one_of(
     NUMBERS,
-    st.sampled_from([Symbol("t"), Symbol("t"), Symbol("a"), Symbol("c"), Symbol("f"), Symbol("q"), Derivative("f", 1), Pi()]),
+    st.sampled_from(
+        [
+            Symbol("t"),
+            Symbol("t"),
+            Symbol("a"),
+            Symbol("c"),
+            Symbol("f"),
+            Symbol("q"),
+            Derivative("f", 1),
+            Pi(),
+        ]
+    ),
 )
 # arguments in which angles and exponents are linear, as they are in models: w*t + phi, a*t^2, f + c
 PHASES = st.lists(
@@ -67,12 +78,16 @@ def _nodes(inner):
         st.lists(inner, min_size=2, max_size=3).map(lambda xs: add(*xs)),
         st.lists(inner, min_size=2, max_size=3).map(lambda xs: multiply(*xs)),
         st.tuples(inner, st.sampled_from([-1, 2, -2])).map(lambda x: power(*x)),
-        st.tuples(st.sampled_from(["sin", "cos", "tan", "exp", "sinh", "cosh", "tanh"]), PHASES).map(lambda x: Apply(*x)),
-        st.tuples(st.sampled_from(["atan", "asinh", "asin", "acos", "atanh"]), polynomial).map(lambda x: Apply(*x)),
-        polynomial.map(lambda u: Apply("log", _one_plus_square(u))),
-        st.tuples(polynomial, st.sampled_from([HALF, -HALF, Fraction(3, 2), Fraction(1, 3), Fraction(2, 3)])).map(
-            lambda x: Power(_one_plus_square(x[0]), x[1])
+        st.tuples(st.sampled_from(["sin", "cos", "tan", "exp", "sinh", "cosh", "tanh"]), PHASES).map(
+            lambda x: Apply(*x)
         ),
+        st.tuples(st.sampled_from(["atan", "asinh", "asin", "acos", "atanh"]), polynomial).map(
+            lambda x: Apply(*x)
+        ),
+        polynomial.map(lambda u: Apply("log", _one_plus_square(u))),
+        st.tuples(
+            polynomial, st.sampled_from([HALF, -HALF, Fraction(3, 2), Fraction(1, 3), Fraction(2, 3)])
+        ).map(lambda x: Power(_one_plus_square(x[0]), x[1])),
     )
 
 
@@ -81,7 +96,9 @@ def _nested(inner):
     return st.one_of(
         st.lists(inner, min_size=2, max_size=2).map(lambda xs: add(*xs)),
         st.lists(inner, min_size=2, max_size=2).map(lambda xs: multiply(*xs)),
-        st.tuples(st.sampled_from(["sin", "cos", "exp", "tanh", "atan", "asinh"]), inner).map(lambda x: Apply(*x)),
+        st.tuples(st.sampled_from(["sin", "cos", "exp", "tanh", "atan", "asinh"]), inner).map(
+            lambda x: Apply(*x)
+        ),
         inner.map(lambda u: Apply("log", _one_plus_square(u))),
         inner.map(lambda u: Power(_one_plus_square(u), HALF)),
     )
@@ -194,7 +211,14 @@ def test_particular_functions_have_their_derivatives_and_values(text):
     element = interpreter.read(expression)
     assert interpreter.field.derive(element) == interpreter.read(derived)
     printed = interpreter.element_expression(element)
-    point = {"t": Fraction(1, 3), "a": Fraction(2, 5), "c": Fraction(-3, 4), "f": Fraction(1, 2), "f'": Fraction(2), "q": Fraction(1)}
+    point = {
+        "t": Fraction(1, 3),
+        "a": Fraction(2, 5),
+        "c": Fraction(-3, 4),
+        "f": Fraction(1, 2),
+        "f'": Fraction(2),
+        "q": Fraction(1),
+    }
     with precision(300, 1):
         difference = BallPoint(SYSTEM, point, 1).value(add(expression, negate(printed)))[0]
         assert difference.contains(0), to_text(printed)

@@ -102,7 +102,9 @@ def test_a_sparse_basis_spans_the_same_space_with_no_more_states(system):
     sparse = analyze(system, replace(FAST, basis="sparse"))
     assert len(sparse.combinations) == plain.rank
     assert all(contained(plain, [c.coefficients for c in sparse.combinations]))
-    assert sum(len(c.coefficients) for c in sparse.combinations) <= sum(len(c.coefficients) for c in plain.combinations)
+    assert sum(len(c.coefficients) for c in sparse.combinations) <= sum(
+        len(c.coefficients) for c in plain.combinations
+    )
     assert dict(sparse.states) == dict(plain.states)
 
 

@@ -77,7 +77,9 @@ def test_critical_values_are_exactly_those_built_in(system, seed):
     assert found.rank == built.rank
     assert found.critical.complete
     assert not [v.condition for v in found.critical.values if v.kind != "confirmed"]
-    assert {v.condition: v.rank for v in found.critical.values} == {f"{c} = 0": r for c, r in built.critical.items()}
+    assert {v.condition: v.rank for v in found.critical.values} == {
+        f"{c} = 0": r for c, r in built.critical.items()
+    }
     for value in found.critical.values:
         assert found.rank - value.rank <= len(value.lost) <= found.rank
 

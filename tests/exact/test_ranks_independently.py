@@ -20,7 +20,9 @@ from obscli.model.reader import load
 ROOT = Path(__file__).parents[2]
 FILES = sorted((ROOT / "models").glob("**/*.yaml"))
 SYSTEMS = [
-    pytest.param(s, id=f"{f.parent.name}-{f.stem}-{s.stage or 'base'}") for f in FILES for s in load(f).systems
+    pytest.param(s, id=f"{f.parent.name}-{f.stem}-{s.stage or 'base'}")
+    for f in FILES
+    for s in load(f).systems
 ]
 _spec = importlib.util.spec_from_file_location("ins_stage1", ROOT / "tests/independent/ins_stage1_numpy.py")
 ins = importlib.util.module_from_spec(_spec)
@@ -147,13 +149,19 @@ def _rank(rows):
     scale = max((abs(x) for row in rows for x in row), default=0)
     rank = 0
     while rows:
-        r, c = max(((i, j) for i, row in enumerate(rows) for j in range(len(row))), key=lambda ij: abs(rows[ij[0]][ij[1]]))
+        r, c = max(
+            ((i, j) for i, row in enumerate(rows) for j in range(len(row))),
+            key=lambda ij: abs(rows[ij[0]][ij[1]]),
+        )
         pivot = rows[r]
         if abs(pivot[c]) < scale * mpmath.mpf("1e-25"):
             break
         rank += 1
         rows = [
-            [x - row[c] / pivot[c] * y if j != c else mpmath.mpf(0) for j, (x, y) in enumerate(zip(row, pivot, strict=True))]
+            [
+                x - row[c] / pivot[c] * y if j != c else mpmath.mpf(0)
+                for j, (x, y) in enumerate(zip(row, pivot, strict=True))
+            ]
             for i, row in enumerate(rows)
             if i != r
         ]
@@ -243,13 +251,21 @@ def _nominal_rank(system, orders, values):
 def _rank_of_scaled(rows):
     rank = 0
     while rows:
-        rows = [[x / max(map(abs, row)) for x in row] for row in rows if max(map(abs, row)) > mpmath.mpf("1e-50")]
+        rows = [
+            [x / max(map(abs, row)) for x in row] for row in rows if max(map(abs, row)) > mpmath.mpf("1e-50")
+        ]
         if not rows:
             break
-        r, c = max(((i, j) for i, row in enumerate(rows) for j in range(len(row))), key=lambda ij: abs(rows[ij[0]][ij[1]]))
+        r, c = max(
+            ((i, j) for i, row in enumerate(rows) for j in range(len(row))),
+            key=lambda ij: abs(rows[ij[0]][ij[1]]),
+        )
         pivot, rank = rows[r], rank + 1
         rows = [
-            [x - row[c] / pivot[c] * y if j != c else mpmath.mpf(0) for j, (x, y) in enumerate(zip(row, pivot, strict=True))]
+            [
+                x - row[c] / pivot[c] * y if j != c else mpmath.mpf(0)
+                for j, (x, y) in enumerate(zip(row, pivot, strict=True))
+            ]
             for i, row in enumerate(rows)
             if i != r
         ]

@@ -324,7 +324,9 @@ def test_an_undefined_coefficient_is_reported_with_place_and_reason(system):
     ],
 )
 def test_what_follows_from_an_invariant_is_zero(system, read, invariant, functions, identity):
-    given = system(f"parameters: {{g: {{assume: positive}}}}\nfunctions:\n  {functions}\nstates: [x]\nA: [[0]]\nH: [[1]]\n")
+    given = system(
+        f"parameters: {{g: {{assume: positive}}}}\nfunctions:\n  {functions}\nstates: [x]\nA: [[0]]\nH: [[1]]\n"
+    )
     assert not read(given, identity), invariant
 
 
