@@ -36,7 +36,9 @@ def verify(  # noqa: PLR0913 - one parameter an option
     claim: Annotated[
         list[str] | None,
         typer.Option(
-            "--claim", metavar="TEXT", help="Check that this combination is observable (repeatable)."
+            "--claim",
+            metavar="TEXT",
+            help="Check that this combination is observable, instead of the claims of the model (repeatable).",
         ),
     ] = None,
     stage: StageOption = None,
