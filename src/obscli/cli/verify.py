@@ -38,7 +38,7 @@ def verify(  # noqa: PLR0913 - one parameter an option
         typer.Option(
             "--claim",
             metavar="TEXT",
-            help="Check that this combination is observable, instead of the claims of the model (repeatable).",
+            help="Check only that this combination is observable (repeatable).",
         ),
     ] = None,
     stage: StageOption = None,

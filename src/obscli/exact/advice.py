@@ -30,8 +30,8 @@ def advise(analysis: Analysis) -> tuple[str, ...]:
     alone = [state for state, verdict in analysis.states.items() if verdict == "unobservable"]
     return (
         (
-            f"Estimate the {analysis.rank} combinations above, not the {n} states: {missing} directions "
-            "of the state leave no trace in the outputs."
+            f"Estimate the {analysis.rank} combinations above, not the {n} states: "
+            f"{missing} direction{'s leave' if missing > 1 else ' leaves'} no trace in the outputs."
         ),
         *_measure(analysis, alone),
         *_leave_out(analysis, alone),
@@ -73,7 +73,8 @@ def _leave_out(analysis: Analysis, alone: list[str]) -> list[str]:
     if alone:
         parts.append(f"drop {_join(alone, 'and')}")
     if coupled:
-        parts.append(f"fix {_join(coupled, 'and')} where their values are known or small")
+        what = "their values are" if len(coupled) > 1 else "its value is"
+        parts.append(f"fix {_join(coupled, 'and')} where {what} known or small")
     return [f"For an estimator of {analysis.rank} states instead: {', and '.join(parts)}."]
 
 
