@@ -20,8 +20,8 @@ from obscli.exact.exact_system import ExactSystem, Row, more_jets, read_system
 from obscli.exact.field import Element
 from obscli.exact.finding import Certificate
 from obscli.exact.identity import fingerprint, independent_constants
-from obscli.exact.kernel import dot, drift
 from obscli.exact.lower import PRECISIONS, highest_derivative, minor, used_names
+from obscli.exact.rows import dot, drift
 from obscli.model.expression import Expression
 from obscli.model.system import Covector, System
 

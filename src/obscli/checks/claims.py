@@ -18,8 +18,8 @@ from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.exact_system import ExactSystem, Row, read_system
 from obscli.exact.field import Element, common_denominator
 from obscli.exact.finding import Analysis, Undecided
-from obscli.exact.kernel import dot
 from obscli.exact.nonzero import first_nonzero
+from obscli.exact.rows import dot
 from obscli.model.expression import Expression
 from obscli.model.notation import to_text
 from obscli.model.specialise import Specialisation, at_nominal

@@ -14,11 +14,11 @@ from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.exact_system import read_system
 from obscli.exact.field import Element
 from obscli.exact.finding import Analysis, Combination, Neglect, Undecided
-from obscli.exact.kernel import dot
 from obscli.exact.nominal import rank_at_values
 from obscli.exact.nonzero import first_nonzero
 from obscli.exact.origin import first_rows
 from obscli.exact.prove import Proof, certificate, prove
+from obscli.exact.rows import dot
 from obscli.exact.saturation import saturate
 from obscli.exact.verdicts import groups, quantity_verdict, state_verdicts
 from obscli.model.expression import Expression

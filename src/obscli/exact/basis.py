@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from obscli.exact.echelon import reduced_echelon
 from obscli.exact.field import Element, common_denominator
-from obscli.exact.kernel import dot
+from obscli.exact.rows import dot
 
 
 if TYPE_CHECKING:

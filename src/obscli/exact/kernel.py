@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING
 
 from obscli.exact.errors import UndecidedError
 from obscli.exact.field import Element, Field, least_common_multiple
+from obscli.exact.rows import dot, drift
 
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from obscli.exact.echelon import PolyRow
-    from obscli.exact.exact_system import ExactSystem, Row
+    from obscli.exact.exact_system import ExactSystem
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,21 +67,6 @@ def invariant_kernel(exact: ExactSystem, columns: dict[int, PolyRow]) -> Kernel:
     return Kernel(columns, multiplier)
 
 
-def drift(exact: ExactSystem, column: Row) -> dict[int, Element]:
-    """Return v' - A v for a direction v."""
-    field = exact.field
-    result = {i: derivative for i, e in column.items() if (derivative := field.derive(e))}
-    for i, row in enumerate(exact.A):
-        product = dot(field, row, column)
-        if product:
-            rest = result.get(i, field.zero) - product
-            if rest:
-                result[i] = rest
-            else:
-                result.pop(i, None)
-    return result
-
-
 def _multiplier(exact: ExactSystem, elements: dict[int, dict[int, Element]], free: int) -> dict[int, Element]:
     rest = drift(exact, elements[free])
     x = {f: rest[f] / column[f] for f, column in elements.items() if f in rest}
@@ -90,14 +76,3 @@ def _multiplier(exact: ExactSystem, elements: dict[int, dict[int, Element]], fre
     if any(rest.values()):
         raise UndecidedError("the proof of the upper bound failed: the kernel is not invariant")
     return x
-
-
-def dot(field: Field, row: Row, column: Row) -> Element:
-    """Return the product of a row and a column."""
-    total = field.zero
-    if len(row) > len(column):
-        row, column = column, row
-    for j, element in row.items():
-        if j in column:
-            total = total + element * column[j]
-    return total

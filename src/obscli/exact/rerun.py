@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from obscli.exact.errors import JetOverflowError, UndecidedError
 from obscli.exact.exact_system import more_jets, read_system
 from obscli.exact.field import Element
-from obscli.exact.kernel import dot
 from obscli.exact.lower import prove_lower_bound
 from obscli.exact.nonzero import first_nonzero
 from obscli.exact.prove import prove_read
+from obscli.exact.rows import dot
 from obscli.exact.saturation import stays_independent
 from obscli.model.specialise import Specialisation
 

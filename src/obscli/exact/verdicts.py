@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from obscli.exact.errors import UndecidedError
 from obscli.exact.field import Element
 from obscli.exact.finding import LinearFormVerdict, QuantityVerdict, StateVerdict
-from obscli.exact.kernel import dot
 from obscli.exact.nonzero import first_nonzero
+from obscli.exact.rows import dot
 
 
 if TYPE_CHECKING:
