@@ -46,7 +46,7 @@ def analyze(  # noqa: PLR0913 - one parameter an option
 ) -> int:
     """Find exactly which combinations of the states are observable, stage by stage."""
     from obscli.api import analyze as run  # noqa: PLC0415 - heavy imports inside command bodies
-    from obscli.cli.boundary import ExitCode  # noqa: PLC0415
+    from obscli.cli.exit_codes import ExitCode  # noqa: PLC0415
     from obscli.cli.output import deliver  # noqa: PLC0415
     from obscli.cli.progress import ProgressLine  # noqa: PLC0415
     from obscli.cli.refusals import refusals  # noqa: PLC0415

@@ -4,22 +4,11 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from enum import IntEnum
 
 from obscli.cli.errors import CommandError
+from obscli.cli.exit_codes import ExitCode
 from obscli.core.place import ModelError
 from obscli.core.visible import visible
-
-
-class ExitCode(IntEnum):
-    """What the exit code of obscli says."""
-
-    DONE = 0
-    FAILED = 1
-    USAGE = 2
-    INTERNAL = 3
-    UNDECIDED = 4
-    INTERRUPTED = 130
 
 
 def main(arguments: Sequence[str]) -> int:

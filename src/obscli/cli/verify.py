@@ -47,7 +47,7 @@ def verify(  # noqa: PLR0913 - one parameter an option
     strict: StrictOption = False,
 ) -> int:
     """Check the proof of the rank, and everything that models claim and expect."""
-    from obscli.cli.boundary import ExitCode  # noqa: PLC0415 - heavy imports inside command bodies
+    from obscli.cli.exit_codes import ExitCode  # noqa: PLC0415 - heavy imports inside command bodies
     from obscli.cli.output import deliver  # noqa: PLC0415
     from obscli.cli.progress import ProgressLine  # noqa: PLC0415
     from obscli.cli.refusals import refusals  # noqa: PLC0415

@@ -24,8 +24,8 @@ from obscli.model.expression import Apply, Expression, Number, divide, multiply,
 
 
 if TYPE_CHECKING:
-    from obscli.exact.interpreter import Interpreter
     from obscli.exact.polynomial import Polynomial
+    from obscli.exact.reader import Reader
 
 #: A multiple of a base angle beyond this is taken as an angle of its own (kept apart, hence only generic).
 LARGEST_MULTIPLE = 64
@@ -33,7 +33,7 @@ LARGEST_MULTIPLE = 64
 CosSin: TypeAlias = tuple[Element, Element]
 
 
-def trigonometric(it: Interpreter, function: str, argument: Element) -> Element:
+def trigonometric(it: Reader, function: str, argument: Element) -> Element:
     """Return sin, cos or tan of an element; tan u = sin 2u/(1 + cos 2u), so that tan(b/2) reads as τ."""
     if function == "tan":
         cosine, sine = cosine_sine(it, argument + argument)
@@ -42,7 +42,7 @@ def trigonometric(it: Interpreter, function: str, argument: Element) -> Element:
     return cosine if function == "cos" else sine
 
 
-def cosine_sine(it: Interpreter, argument: Element) -> CosSin:
+def cosine_sine(it: Reader, argument: Element) -> CosSin:
     """Return (cos, sin) of an element, by the addition theorem over its atoms."""
     total: CosSin = (it.field.one, it.field.zero)
     for coefficient, atom, element in split(it, argument):
@@ -50,7 +50,7 @@ def cosine_sine(it: Interpreter, argument: Element) -> CosSin:
     return total
 
 
-def exponential(it: Interpreter, argument: Element) -> Element:
+def exponential(it: Reader, argument: Element) -> Element:
     """Return exp of an element; exp(q log u) is u^q."""
     result = it.field.one
     for coefficient, atom, element in split(it, argument):
@@ -63,7 +63,7 @@ def exponential(it: Interpreter, argument: Element) -> Element:
     return result
 
 
-def hyperbolic(it: Interpreter, function: str, argument: Element) -> Element:
+def hyperbolic(it: Reader, function: str, argument: Element) -> Element:
     """Return sinh, cosh or tanh of an element through exp."""
     up = exponential(it, argument)
     down = it.field.one / up
@@ -75,7 +75,7 @@ def hyperbolic(it: Interpreter, function: str, argument: Element) -> Element:
     return (up - down) / (up + down)
 
 
-def split(it: Interpreter, argument: Element) -> list[tuple[Fraction, str, Element]]:
+def split(it: Reader, argument: Element) -> list[tuple[Fraction, str, Element]]:
     """Split an element into rational multiples of atoms: (coefficient, name of the atom, atom).
 
     What can be divided is, so that t/(1 + t) = 1 - 1/(1 + t) and 1/(1 + t) share their atoms.
@@ -99,12 +99,12 @@ def _content(polynomial: Polynomial) -> int:
     return gcd(*(int(c) for c in polynomial.coeffs()))
 
 
-def _atom_name(it: Interpreter, monomial: Polynomial, denominator: Polynomial) -> str:
+def _atom_name(it: Reader, monomial: Polynomial, denominator: Polynomial) -> str:
     """Name an atom by its generators, so that the name survives when the field is built again."""
     return f"{stable_name(it, monomial)}/{stable_name(it, denominator)}"
 
 
-def _step(it: Interpreter, atom: str, coefficient: Fraction) -> tuple[Fraction, int]:
+def _step(it: Reader, atom: str, coefficient: Fraction) -> tuple[Fraction, int]:
     """Return the step of an atom and the integer multiple that the coefficient is of it."""
     step = it.fineness.get(atom)
     if step is None:
@@ -126,7 +126,7 @@ def _rotate(a: CosSin, b: CosSin) -> CosSin:
     return a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]
 
 
-def _multiple(it: Interpreter, base: CosSin, k: int) -> CosSin:
+def _multiple(it: Reader, base: CosSin, k: int) -> CosSin:
     """Return (cos kb, sin kb) from (cos b, sin b)."""
     if k < 0:
         base, k = (base[0], -base[1]), -k
@@ -136,7 +136,7 @@ def _multiple(it: Interpreter, base: CosSin, k: int) -> CosSin:
     return result
 
 
-def _atom_cosine_sine(it: Interpreter, coefficient: Fraction, atom: str, element: Element) -> CosSin:
+def _atom_cosine_sine(it: Reader, coefficient: Fraction, atom: str, element: Element) -> CosSin:
     generator = _single_generator(it, element)
     if generator is not None and generator.kind == "pi":
         exact = _rational_turn(it, coefficient)
@@ -151,7 +151,7 @@ def _atom_cosine_sine(it: Interpreter, coefficient: Fraction, atom: str, element
     return _multiple(it, _base_angle(it, element, step), multiple)
 
 
-def _single_generator(it: Interpreter, element: Element) -> Generator | None:
+def _single_generator(it: Reader, element: Element) -> Generator | None:
     """Return the generator that an element is, if it is one."""
     if not element.den.is_one():
         return None
@@ -161,7 +161,7 @@ def _single_generator(it: Interpreter, element: Element) -> Generator | None:
     return None
 
 
-def _base_angle(it: Interpreter, element: Element, step: Fraction) -> CosSin:
+def _base_angle(it: Reader, element: Element, step: Fraction) -> CosSin:
     field = it.field
     name = f"tan({step}*{_atom_name(it, element.num, element.den)}/2)"
     if name not in field.index:
@@ -172,14 +172,14 @@ def _base_angle(it: Interpreter, element: Element, step: Fraction) -> CosSin:
     return _from_tangent(it, field.generator(name))
 
 
-def _from_tangent(it: Interpreter, tangent: Element) -> CosSin:
+def _from_tangent(it: Reader, tangent: Element) -> CosSin:
     """cos, sin of an angle by the tangent of its half: (1 - τ²)/(1 + τ²), 2τ/(1 + τ²)."""
     one = it.field.one
     square = tangent * tangent
     return (one - square) / (one + square), (tangent + tangent) / (one + square)
 
 
-def _base_exponential(it: Interpreter, element: Element, step: Fraction) -> Element:
+def _base_exponential(it: Reader, element: Element, step: Fraction) -> Element:
     name = f"exp({step}*{_atom_name(it, element.num, element.den)})"
     if name not in it.field.index:
         numeric = it.is_numeric(element)
@@ -191,11 +191,11 @@ def _base_exponential(it: Interpreter, element: Element, step: Fraction) -> Elem
     return it.field.generator(name)
 
 
-def _scaled(it: Interpreter, element: Element, step: Fraction) -> Expression:
+def _scaled(it: Reader, element: Element, step: Fraction) -> Expression:
     return divide(multiply(Number(step), it.expression(element.num)), it.expression(element.den))
 
 
-def _of_inverse(it: Interpreter, generator: Generator) -> CosSin:
+def _of_inverse(it: Reader, generator: Generator) -> CosSin:
     """cos, sin of asin(u): (√(1-u²), u); of atan(u): (1, u)/√(1+u²)."""
     assert generator.argument is not None
     u = it.read(generator.argument)
@@ -206,7 +206,7 @@ def _of_inverse(it: Interpreter, generator: Generator) -> CosSin:
     return cosine, u * cosine
 
 
-def _rational_turn(it: Interpreter, turn: Fraction) -> CosSin | None:
+def _rational_turn(it: Reader, turn: Fraction) -> CosSin | None:
     """(cos, sin) of a rational multiple of π, in square roots where its denominator divides 12."""
     if 12 % turn.denominator:
         return None

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 
 if TYPE_CHECKING:
-    from obscli.exact.interpreter import Interpreter
     from obscli.exact.polynomial import Polynomial
+    from obscli.exact.reader import Reader
 
 
-def stable_name(it: Interpreter, polynomial: Polynomial) -> str:
+def stable_name(it: Reader, polynomial: Polynomial) -> str:
     """Write a polynomial in the names of the generators, terms sorted."""
     names = [generator.name for generator in it.field.generators]
     terms = [

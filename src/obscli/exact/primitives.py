@@ -21,7 +21,7 @@ from obscli.model.expression import Apply, Expression, divide, number
 
 
 if TYPE_CHECKING:
-    from obscli.exact.interpreter import Interpreter
+    from obscli.exact.reader import Reader
 
 _HALF = Fraction(1, 2)
 #: Squares of positive sines and tangents of multiples of π, with the multiple.
@@ -36,7 +36,7 @@ _TURNS = {
 }
 
 
-def primitive(it: Interpreter, function: str, argument: Element) -> Element:
+def primitive(it: Reader, function: str, argument: Element) -> Element:
     """Return log or an inverse function of an element."""
     field = it.field
     match function:
@@ -56,14 +56,14 @@ def primitive(it: Interpreter, function: str, argument: Element) -> Element:
     raise UndecidedError(f"the function {function} is not known to the exact side")
 
 
-def _asinh(it: Interpreter, argument: Element) -> Element:
+def _asinh(it: Reader, argument: Element) -> Element:
     if argument and argument.num.leading_coefficient() < 0:
         return -_asinh(it, -argument)
     root = it.power(it.field.one + argument * argument, _HALF)
     return _logarithm(it, argument + root)
 
 
-def _logarithm(it: Interpreter, argument: Element) -> Element:
+def _logarithm(it: Reader, argument: Element) -> Element:
     field = it.field
     if not argument:
         raise UndefinedError
@@ -83,7 +83,7 @@ def _logarithm(it: Interpreter, argument: Element) -> Element:
     return result + _combination_of_logarithms(it, rest) if rest != field.one else result
 
 
-def _combination_of_logarithms(it: Interpreter, argument: Element) -> Element:
+def _combination_of_logarithms(it: Reader, argument: Element) -> Element:
     """Return log(argument) as a rational combination of known logarithms, or ask for a new one.
 
     Arguments of logarithms are positive, so their signs agree: |u| = Π |u_j|^q_j is u = Π u_j^q_j.
@@ -121,7 +121,7 @@ def _solve(vectors: list[dict[str, int]], target: dict[str, int]) -> list[Fracti
     return solution
 
 
-def _inverse(it: Interpreter, function: str, argument: Element) -> Element:
+def _inverse(it: Reader, function: str, argument: Element) -> Element:
     """Return asin or atan; odd, so that the leading sign comes out."""
     field = it.field
     if not argument:
@@ -139,7 +139,7 @@ def _inverse(it: Interpreter, function: str, argument: Element) -> Element:
     return _adjoin(it, function, argument, it.element_expression(rule))
 
 
-def _known_angle(it: Interpreter, function: str, argument: Element) -> Element | None:
+def _known_angle(it: Reader, function: str, argument: Element) -> Element | None:
     """atan 1 = π/4, asin 1/2 = π/6, and the like, as multiples of π."""
     field = it.field
     if not it.is_numeric(argument) or sign_of(it, argument.num) != 1 or sign_of(it, argument.den) != 1:
@@ -151,7 +151,7 @@ def _known_angle(it: Interpreter, function: str, argument: Element) -> Element |
     return None
 
 
-def _adjoin(it: Interpreter, function: str, argument: Element, rule: Expression) -> Element:
+def _adjoin(it: Reader, function: str, argument: Element, rule: Expression) -> Element:
     """Return the primitive as a generator whose derivative is argument' · rule."""
     name = f"{function}({stable_name(it, argument.num)}/{stable_name(it, argument.den)})"
     if name not in it.field.index:

@@ -24,11 +24,11 @@ from obscli.model.notation import to_text
 
 
 if TYPE_CHECKING:
-    from obscli.exact.interpreter import Interpreter
     from obscli.exact.polynomial import Polynomial
+    from obscli.exact.reader import Reader
 
 
-def rational_power(it: Interpreter, base: Element, exponent: Fraction) -> Element:
+def rational_power(it: Reader, base: Element, exponent: Fraction) -> Element:
     """Return base^exponent, real branch; exponent not an integer.
 
     Factors that are evidently positive have powers of their own; the others stay together under one root.
@@ -57,18 +57,18 @@ def rational_power(it: Interpreter, base: Element, exponent: Fraction) -> Elemen
     return result * _root_of_the_rest(it, rest, exponent)
 
 
-def exponential_generator(it: Interpreter, factor: Polynomial) -> Generator | None:
+def exponential_generator(it: Reader, factor: Polynomial) -> Generator | None:
     """Return the exponential that a polynomial is, if it is one."""
     return _generator(it, factor, "exponential")
 
 
-def pure_root(it: Interpreter, factor: Polynomial) -> Generator | None:
+def pure_root(it: Reader, factor: Polynomial) -> Generator | None:
     """Return the positive root g^d = r that a polynomial is, if it is one."""
     generator = _generator(it, factor, "root")
     return generator if generator is not None and generator.positive else None
 
 
-def _generator(it: Interpreter, factor: Polynomial, kind: str) -> Generator | None:
+def _generator(it: Reader, factor: Polynomial, kind: str) -> Generator | None:
     if len(factor) != 1:
         return None
     for k, generator in enumerate(it.field.generators):
@@ -77,7 +77,7 @@ def _generator(it: Interpreter, factor: Polynomial, kind: str) -> Generator | No
     return None
 
 
-def _positive_power(it: Interpreter, factor: Polynomial, exponent: Fraction) -> Element:
+def _positive_power(it: Reader, factor: Polynomial, exponent: Fraction) -> Element:
     """Return a power of a positive irreducible polynomial f, as a power of g with g^d = f."""
     if exponent.denominator == 1:
         return Element(it.field, factor, it.field.one_polynomial) ** exponent.numerator
@@ -89,7 +89,7 @@ def _positive_power(it: Interpreter, factor: Polynomial, exponent: Fraction) -> 
     return _root(it, factor, step.denominator) ** multiple.numerator
 
 
-def _root_of_the_rest(it: Interpreter, base: Element, exponent: Fraction) -> Element:
+def _root_of_the_rest(it: Reader, base: Element, exponent: Fraction) -> Element:
     """Return a power of a product of factors whose signs are not evident."""
     q = exponent.denominator
     outside, radicand = _take_out_powers(it, base, q)
@@ -99,7 +99,7 @@ def _root_of_the_rest(it: Interpreter, base: Element, exponent: Fraction) -> Ele
     return (outside * root) ** exponent.numerator
 
 
-def _take_out_powers(it: Interpreter, base: Element, q: int) -> tuple[Element, Polynomial]:
+def _take_out_powers(it: Reader, base: Element, q: int) -> tuple[Element, Polynomial]:
     """Write base^(1/q) = outside · radicand^(1/q) with a radicand free of q-th powers."""
     field = it.field
     outside, radicand = field.one, field.one_polynomial
@@ -129,7 +129,7 @@ def irreducible_factors(base: Element) -> list[tuple[Polynomial, int]]:
     return [(factor, exponent) for factor, exponent in result.values() if exponent]
 
 
-def _sign(it: Interpreter, polynomial: Polynomial) -> int:
+def _sign(it: Reader, polynomial: Polynomial) -> int:
     sign = sign_of(it, polynomial)
     if sign is None:
         raise UndecidedError(
@@ -139,7 +139,7 @@ def _sign(it: Interpreter, polynomial: Polynomial) -> int:
     return sign
 
 
-def sign_of(it: Interpreter, polynomial: Polynomial) -> int | None:
+def sign_of(it: Reader, polynomial: Polynomial) -> int | None:
     """Return the sign of a polynomial where it is evident: even powers, positive generators, factors."""
     sign = evident_sign(it, polynomial)
     if sign is not None:
@@ -155,7 +155,7 @@ def sign_of(it: Interpreter, polynomial: Polynomial) -> int | None:
     return total
 
 
-def evident_sign(it: Interpreter, polynomial: Polynomial, *, assumed: bool = True) -> int | None:
+def evident_sign(it: Reader, polynomial: Polynomial, *, assumed: bool = True) -> int | None:
     """Return the sign that all terms of a polynomial share, each a square times positive generators.
 
     With ``assumed`` false the assumptions about parameters do not count, only what is positive by nature.
@@ -170,7 +170,7 @@ def evident_sign(it: Interpreter, polynomial: Polynomial, *, assumed: bool = Tru
     return signs.pop() if len(signs) == 1 else None
 
 
-def _square_root(it: Interpreter, radicand: Polynomial) -> Element:
+def _square_root(it: Reader, radicand: Polynomial) -> Element:
     """Return √radicand for a squarefree radicand: a product of known roots, or a new generator."""
     field = it.field
     radicands = {
@@ -219,7 +219,7 @@ def _class(polynomial: Polynomial) -> frozenset[str]:
     return frozenset(str(factor) for factor, exponent in irreducible_factors(one) if exponent % 2)
 
 
-def _root(it: Interpreter, radicand: Polynomial, q: int) -> Element:
+def _root(it: Reader, radicand: Polynomial, q: int) -> Element:
     meaning = Power(it.expression(radicand), Fraction(1, q))
     name = f"root{q}({stable_name(it, radicand)})"
     if name not in it.field.index:
