@@ -8,13 +8,14 @@ full row rank.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 
-from flint import arb, arb_mat
+from flint import arb
 
 from obscli.core.check import CheckResult
 from obscli.exact.ball import BallPoint, OutsideDomainError, precision, random_point
+from obscli.exact.determinant import determinant
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.exact_system import ExactSystem, Row, more_jets, read_system
 from obscli.exact.field import Element
@@ -244,8 +245,8 @@ def _nonsingular(
     with precision(bits, length):
         try:
             point = BallPoint(exact.system, values, length, exact.interpreter.definitions)
-            value: Callable[[Expression | None], arb] = lambda e: arb(0) if e is None else point.value(e)[0]  # noqa: E731
-            return not arb_mat([[value(e) for e in row] for row in entries]).det().contains(0)
+            rows = [{j: point.value(e)[0] for j, e in enumerate(row) if e is not None} for row in entries]
+            return not determinant(rows).contains(0)
         except (OutsideDomainError, KeyError):
             return False
 

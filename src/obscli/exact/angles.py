@@ -115,6 +115,7 @@ def _step(it: Reader, atom: str, coefficient: Fraction) -> tuple[Fraction, int]:
     finer = _rational_gcd(step, coefficient)
     if max(abs(coefficient), step) / finer <= LARGEST_MULTIPLE:
         raise RefineError(atom, finer)
+    it.kept_apart.add(atom)
     return abs(coefficient), 1 if coefficient > 0 else -1
 
 

@@ -2,8 +2,9 @@
 
 For base angles θ_j(t) a divisor is a trigonometric polynomial Σ c_k exp(i k·θ). It can vanish identically
 though no content does only if two harmonics k ≠ k' that occur in it coincide: (k - k')·θ' = 0 for all t.
-The content in time of (k - k')·θ' gives the hypersurfaces. Exponentials likewise; for logarithms and
-inverse functions small integer combinations of their rates are tried.
+The content in time of (k - k')·θ' gives the hypersurfaces. Exponentials likewise. Logarithms and arcus
+tangents log u, atan v become dependent only where factors of u, 1 + v² coincide: a resultant vanishes.
+Constants are the matter of ``entangled``.
 """
 
 from __future__ import annotations
@@ -14,8 +15,11 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from flint import Ordering, nmod_mpoly_ctx
 
+from obscli.exact.angles import LARGEST_MULTIPLE
 from obscli.exact.candidates import Candidate, content_candidates
+from obscli.exact.entangled import entangled_constants
 from obscli.exact.field import Element
+from obscli.model.notation import to_text
 
 
 if TYPE_CHECKING:
@@ -27,6 +31,9 @@ if TYPE_CHECKING:
 #: A prime with p = 1 (mod 4), so that i = √-1 exists, and that root.
 _PRIME = 2305843009213693921
 Harmonic: TypeAlias = tuple[int, ...]
+
+#: Resultants of polynomials with a larger product of degrees and terms are not computed.
+_LARGEST_RESULTANT = 2000
 
 #: More differences of harmonics than this are not all tried; the report says so.
 MOST_DIFFERENCES = 400
@@ -49,6 +56,18 @@ def collision_candidates(
         left_out.append("parameter values at which functions given by a rule become dependent")
     if _has_powers(exact):
         left_out.append("exponents at which a power such as u^a becomes algebraic")
+    if exact.interpreter.kept_apart:
+        left_out.append(
+            f"relations between harmonics more than {LARGEST_MULTIPLE}-fold multiples of each other"
+        )
+    entangled = entangled_constants(exact)
+    if entangled:
+        names = ", ".join(to_text(field.generators[k].meaning) for k in entangled[:3])
+        left_out.append(f"values at which constants ({names}) are related to others in the model")
+        found.update(content_candidates(exact, _special_arguments(exact, entangled), "collision"))
+    resultants, skipped = _common_factors(exact)
+    found.update(content_candidates(exact, resultants, "collision"))
+    left_out += skipped
     for kind in ("angle", "exponential", "primitive"):
         indices = [k for k, g in enumerate(field.generators) if g.kind == kind and field.varies(k)]
         if not indices:
@@ -65,6 +84,47 @@ def collision_candidates(
             if combined:
                 found.update(content_candidates(exact, [combined.num], "collision"))
     return found, tuple(left_out)
+
+
+def _special_arguments(exact: ExactSystem, constants: Iterable[int]) -> Iterable[Polynomial]:
+    """Yield what vanishes where a constant has the value of an exact number: sin 0 = 0, log 1 = 0."""
+    for k in constants:
+        generator = exact.field.generators[k]
+        assert generator.argument is not None
+        element = exact.interpreter.read(generator.argument)
+        yield element.num - element.den if generator.function == "log" else element.num
+
+
+def _common_factors(exact: ExactSystem) -> tuple[list[Polynomial], list[str]]:
+    """Return resultants that vanish where arguments of varying primitives share a factor; what is left out."""
+    field = exact.field
+    primitives = [k for k, g in enumerate(field.generators) if g.kind == "primitive" and field.varies(k)]
+    if len(primitives) < 2:
+        return [], []
+    arguments = [_critical_points(exact, k) for k in primitives]
+    resultants = []
+    small = all(field.generators[k].function != "asin" for k in primitives)
+    for mine, other in combinations(arguments, 2):
+        for a, b in product(mine, other):
+            for k, degrees in enumerate(zip(a.degrees(), b.degrees(), strict=True)):
+                if min(degrees) <= 0 or not field.varies(k):
+                    continue
+                if degrees[0] * degrees[1] * len(a) * len(b) > _LARGEST_RESULTANT:
+                    small = False
+                    continue
+                resultant = a.resultant(b, k)
+                if not resultant.is_zero():
+                    resultants.append(resultant)
+    return resultants, [] if small else ["coincidences among logarithms and inverse functions"]
+
+
+def _critical_points(exact: ExactSystem, k: int) -> list[Polynomial]:
+    """Return the polynomials at whose zeros the primitive (log u, atan u) is singular."""
+    generator = exact.field.generators[k]
+    assert generator.argument is not None
+    u = exact.interpreter.read(generator.argument)
+    parts = [u.num, u.den] if generator.function == "log" else [u.num * u.num + u.den * u.den]
+    return [exact.field.norm(part) for part in parts if not part.is_constant()]
 
 
 def _has_powers(exact: ExactSystem) -> bool:

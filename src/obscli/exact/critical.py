@@ -21,6 +21,7 @@ from obscli.exact.candidates import (
     value_allowed,
 )
 from obscli.exact.collisions import collision_candidates
+from obscli.exact.entangled import entangled_constants
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.finding import CriticalSearch, CriticalValue
 from obscli.exact.identities import search_identities
@@ -108,11 +109,14 @@ def _keeps_generators(proof: Proof, candidate: Candidate) -> bool:
     """Whether the generators stay independent on the hypersurface, so that the screen is conclusive.
 
     They may not where a parameter in the polynomial occurs in the argument of an angle, an exponent, a
-    primitive or a root as well (on phi = 0 the tangent of phi/2 is 0).
+    primitive or a root as well (on phi = 0 the tangent of phi/2 is 0), nor where a constant in it has no
+    parameter of its own (on tan(phi/2) = 1 phi itself is pi/2).
     """
     if candidate.origin == "collision":
         return False
     generators = proof.exact.field.generators
+    if any(candidate.polynomial.degrees()[k] > 0 for k in entangled_constants(proof.exact)):
+        return False
     named = {
         generators[k].name
         for k, degree in enumerate(candidate.polynomial.degrees())

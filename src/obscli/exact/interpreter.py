@@ -70,14 +70,17 @@ class Interpreter:
         self.jets = jets
         self.rules = {f.name: f.derivative for f in system.functions if f.derivative is not None}
         self.fineness: dict[str, Fraction] = {}
+        #: atoms with multiples too far apart for one base angle or exponential: related, but not in the field
+        self.kept_apart: set[str] = set()
         self.definitions: dict[str, Expression] = {}
         self._meanings: dict[str, Expression] = {}
         self._adjoined: list[Generator] = []
         self._roots = [*roots, *self.rules.values()]
-        self._used = self._reachable_names()
+        #: the names that occur in what the interpreter reads, rules and relations included
+        self.names = self._reachable_names()
         self._rebuild()
         for invariant in system.invariants:
-            if symbols(invariant.expression) & self._used:
+            if symbols(invariant.expression) & self.names:
                 self._impose(invariant.expression)
         self._read_all(self._roots)
 
@@ -103,14 +106,14 @@ class Interpreter:
 
     def _base_generators(self) -> list[Generator]:
         time = self.system.time
-        generators = [Generator(time, "time", Symbol(time))] if time in self._used else []
+        generators = [Generator(time, "time", Symbol(time))] if time in self.names else []
         generators += [
             Generator(p.name, "parameter", Symbol(p.name), positive=p.assume == "positive")
             for p in self.system.parameters
-            if p.name in self._used
+            if p.name in self.names
         ]
         for f in self.system.functions:
-            if f.name not in self._used or f.name in self.definitions:
+            if f.name not in self.names or f.name in self.definitions:
                 continue
             if f.derivative is not None:
                 generators.append(Generator(f.name, "function", Symbol(f.name)))

@@ -11,9 +11,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from flint import arb, arb_mat
-
 from obscli.exact.ball import BallPoint, OutsideDomainError, precision, random_point
+from obscli.exact.determinant import determinant
 from obscli.exact.errors import UndecidedError
 from obscli.exact.finding import LowerBound
 from obscli.model.expression import Derivative, Expression, postorder, symbols
@@ -22,7 +21,7 @@ from obscli.model.expression import Derivative, Expression, postorder, symbols
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from flint import arb_series
+    from flint import arb, arb_series
 
     from obscli.exact.interpreter import Interpreter
     from obscli.model.system import Matrix, System
@@ -96,10 +95,8 @@ def minor(
         known: dict[tuple[int, int], dict[int, arb_series]] = {}
         for k, output in sorted({(i, o) for top, o in rows for i in range(top + 1)}):
             known[k, output] = H[output] if k == 0 else _differentiate(known[k - 1, output], A)
-        entries = [[known[row].get(j) for j in columns] for row in rows]
-        if not rows:
-            return arb(1)
-        return arb_mat([[arb(0) if e is None else e[0] for e in row] for row in entries]).det()
+        place = {column: k for k, column in enumerate(columns)}
+        return determinant([{place[j]: e[0] for j, e in known[row].items() if j in place} for row in rows])
 
 
 def used_names(system: System) -> frozenset[str]:

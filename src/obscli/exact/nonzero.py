@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from obscli.exact.ball import BallPoint, OutsideDomainError, precision, random_point
 from obscli.exact.errors import UndecidedError
-from obscli.exact.lower import highest_derivative_of, names_behind, used_names
+from obscli.exact.lower import highest_derivative_of
 from obscli.model.expression import Expression, Number
 from obscli.model.notation import to_text
 
@@ -85,8 +85,7 @@ def _not_seen(
     """Return the expressions not seen to differ from zero at one point; None outside the domain."""
     system, definitions = interpreter.system, interpreter.definitions
     length = 1 + highest_derivative_of([*expressions, *definitions.values()])
-    names = used_names(system) | names_behind(system, expressions)
-    values = random_point(system, names - definitions.keys(), length, seed)
+    values = random_point(system, interpreter.names - definitions.keys(), length, seed)
     with precision(bits, length):
         try:
             point = BallPoint(system, values, length, definitions)

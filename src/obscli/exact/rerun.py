@@ -55,7 +55,7 @@ def rerun(
             break
         except JetOverflowError:
             exact = more_jets(exact, extra)
-    if lower.rank == proof.rank:
+    if lower.rank >= proof.rank:
         return None
     return Rerun(lower.rank, _lost(proof, lower, images))
 
