@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Final
 
 from obscli.core.document import (
@@ -27,7 +28,7 @@ from obscli.render.latex_text import in_math, in_text
 
 HEAD: Final = r"""\documentclass{article}
 \usepackage{iftex}
-\ifPDFTeX\usepackage[utf8]{inputenc}\usepackage[T2A,T1]{fontenc}\else\usepackage{fontspec}\fi
+\ifPDFTeX\usepackage[utf8]{inputenc}\usepackage[@ENCODINGS@]{fontenc}\else\usepackage{fontspec}\fi
 \usepackage{amsmath,amssymb,array,longtable}
 \usepackage[margin=25mm]{geometry}
 \setlength{\parindent}{0pt}
@@ -43,13 +44,17 @@ MARKS: Final[dict[Kind, str]] = {
     "open": r"\textbf{?}",
     "info": r"$\bullet$",
 }
+CYRILLIC: Final = re.compile("[\u0400-\u04ff]")
 LETTERS: Final = {"left": "l", "right": "r", "centre": "c"}
 
 
 def render(report: Report, surface: Surface) -> str:
     """Return the report as a LaTeX document."""
     blocks = report.document().flat(details=surface.details).blocks
-    return HEAD + "\n".join(_block(block) for block in blocks) + "\n" + FOOT
+    body = "\n".join(_block(block) for block in blocks)
+    # the Cyrillic encoding is a package of its own, so it is asked for only where it is needed
+    encodings = "T2A,T1" if CYRILLIC.search(body) else "T1"
+    return HEAD.replace("@ENCODINGS@", encodings) + body + "\n" + FOOT
 
 
 def _block(block: Block) -> str:

@@ -40,8 +40,8 @@ def critical_blocks(finding: Analysis) -> Iterator[Block]:
     apart = tuple(one for one in search.values if one.kind != "confirmed")
     if apart:
         yield Listing(tuple(plain(_apart(one)) for one in apart))
-    for instant in search.instants:
-        yield Note("note", plain(instant))
+    if search.instants:
+        yield Note("note", plain(_instants(search.instants)))
     if search.not_searched:
         listed = tuple(plain(f"not searched: {one}") for one in search.not_searched)
         yield Details((Listing(listed),)) if search.complete else Listing(listed)
@@ -64,10 +64,17 @@ def _row(one: CriticalValue, finding: Analysis) -> tuple[Cell, ...]:
 def _scope(search: CriticalSearch) -> str:
     if search.complete:
         return (
-            "Complete in codimension one: no other single equation lowers the rank "
+            "Complete in codimension one: no other single equation among parameters lowers the rank "
             "(two or more at once were not searched)."
         )
     return "Not complete: other values may exist."
+
+
+def _instants(instants: tuple[str, ...]) -> str:
+    return (
+        f"At isolated instants, where {' or '.join(instants)}, the observability matrix itself has lower rank; "
+        "on any interval around them nothing is lost."
+    )
 
 
 def _apart(one: CriticalValue) -> str:
