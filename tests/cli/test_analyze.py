@@ -76,6 +76,50 @@ def test_fix_says_what_it_changes(obscli, stages):
     assert "The rank goes from 2 to 1." in outcome.out
 
 
+def test_a_fix_that_only_puts_a_number_in_changes_nothing(obscli, stages):
+    outcome = obscli("analyze", stages, "--stage", "turning", "--fix", "g=9.81")
+
+    assert "Nothing: rank 2 and the same observable combinations." in outcome.out
+
+
+def test_claims_of_the_file_do_not_hinder_a_fix(obscli, tmp_path):
+    file = tmp_path / "model.yaml"
+    file.write_text(
+        "states: [a, b]\nparameters: {g: 1}\nA: [[0, g], [0, 0]]\nH: [[1, 0]]\nclaims: {observable: [b/g]}\n"
+    )
+
+    outcome = obscli("analyze", file, "--fix", "g=0")
+
+    assert (outcome.status, outcome.err) == (0, "")
+    assert "The rank goes from 2 to 1." in outcome.out
+
+
+@pytest.mark.parametrize(
+    ("option", "given", "message", "hint"),
+    [
+        ("--outputs", "wheel", "'wheel' is no output", "there are: y"),
+        ("--set", "zzz=1", "'zzz' is no parameter", "there are: g, w"),
+        ("--without", "tilt,bias,drift", "no state is left", ""),
+    ],
+)
+def test_options_that_do_not_fit_say_what_there_is(obscli, stages, option, given, message, hint):
+    outcome = obscli("analyze", stages, option, given)
+
+    assert (outcome.status, outcome.out) == (2, "")
+    assert message in outcome.err
+    assert hint in outcome.err
+
+
+def test_a_basis_file_is_a_list(obscli, stages, tmp_path):
+    rows = tmp_path / "rows.yaml"
+    rows.write_text("tilt + bias\ndrift\n")
+
+    outcome = obscli("analyze", stages, "--basis", rows)
+
+    assert outcome.status == 2
+    assert "each behind a dash" in outcome.err
+
+
 def test_set_changes_the_rank_at_the_values_only(obscli, stages):
     [result] = analysed(obscli, stages, "--stage", "turning", "--set", "w=0")["results"]
 

@@ -1,12 +1,15 @@
 """What goes where: progress to stderr and only when it takes long, colour to terminals that want it."""
 
+import errno
 import io
+import sys
 import time
 
 import pytest
 
 from obscli.cli import output, progress
 from obscli.cli.boundary import complain
+from obscli.cli.errors import CommandError
 from obscli.cli.progress import ProgressLine
 
 
@@ -87,6 +90,19 @@ def test_signs_for_an_output_without_unicode(monkeypatch):
     output.write("● psi ≥ φ\n", None)
 
     assert stream.buffer.getvalue() == b"* psi >= \\u03c6\n"
+
+
+def test_a_full_disk_is_no_internal_error(monkeypatch):
+    class Full(io.StringIO):
+        encoding = "utf-8"
+
+        def flush(self):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("sys.stdout", Full())
+    with pytest.raises(CommandError, match="standard output cannot be written: No space left"):
+        output.write("text", None)
+    sys.stdout.close()
 
 
 def test_complaints_cannot_control_the_terminal(capsys):

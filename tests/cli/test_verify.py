@@ -30,6 +30,10 @@ def test_a_claim_on_the_command_line(obscli, stages, claim, status):
     assert obscli("verify", stages, "--stage", "still", "--claim", claim).status == status
 
 
+def test_a_claim_on_the_command_line_has_no_line(obscli, integrator):
+    assert "(line" not in obscli("verify", integrator, "--claim", "velocity").out
+
+
 def test_a_claim_that_cannot_be_read(obscli, stages):
     outcome = obscli("verify", stages, "--claim", "tilt +")
 

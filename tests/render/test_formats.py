@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+import obscli
 from obscli.core.visible import HIDDEN, visible
 from obscli.render.format import Surface
 from obscli.render.formats import FORMATS, format_named
@@ -61,6 +62,19 @@ def test_latex_has_one_end_and_balanced_braces(hostile):
     bare = re.sub(r"\\.", "", text)
     assert bare.count("{") == bare.count("}")
     assert all(line.count("%") == 0 for line in bare.splitlines() if not line.startswith("%"))
+
+
+def test_latex_sets_cyrillic_in_its_encoding_and_asks_for_it_only_then(tmp_path):
+    texts = []
+    for name in ("latitude", "широта"):
+        file = tmp_path / f"{len(texts)}.yaml"
+        file.write_text(
+            f"states: [x]\nparameters: {{{name}: 1}}\nA: [[{name}]]\nH: [[1]]\n", encoding="utf-8"
+        )
+        texts.append(LATEX.render(obscli.analyze(file), Surface()))
+
+    assert r"\usepackage[T1]{fontenc}" in texts[0]
+    assert r"\usepackage[T1,T2A]{fontenc}" in texts[1]
 
 
 def test_json_reads_back_as_the_data(hostile):

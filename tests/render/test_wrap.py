@@ -1,6 +1,6 @@
 """Lines never exceed the width, lose nothing, and break formulas where a reader would."""
 
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from obscli.core.document import Math, Text
@@ -64,6 +64,7 @@ def test_no_line_is_too_wide_and_nothing_is_lost(content, width):
     assert "".join(shown.split()) == "".join("".join(visible(part.text) for part in content).split())
 
 
+@example([(0, False), (69, True)], 70)
 @given(st.lists(st.tuples(st.integers(0, 200), st.booleans()), min_size=1, max_size=8), st.integers(70, 200))
 def test_columns_fit_where_they_can(columns, width):
     natural, breaks = [own for own, _ in columns], [free for _, free in columns]

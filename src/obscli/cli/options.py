@@ -77,7 +77,7 @@ BasisOption: TypeAlias = Annotated[
         "--basis",
         metavar="echelon|sparse|FILE",
         help="Form of the combinations: reduced echelon in the order of the states, as few states as "
-        "possible, or the rows of FILE completed to a basis.",
+        "possible, or the rows of FILE (a YAML list of combinations) completed to a basis.",
     ),
 ]
 PivotOption: TypeAlias = Annotated[

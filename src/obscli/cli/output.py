@@ -63,7 +63,15 @@ def _print(text: str) -> None:
         sys.stdout.write(_encodable(text, sys.stdout))
         sys.stdout.flush()
     except BrokenPipeError:
-        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115, PTH123 - for Python's own last flush
+        _give_up_stdout()
+    except OSError as error:
+        _give_up_stdout()
+        raise CommandError(f"standard output cannot be written: {error.strerror}") from error
+
+
+def _give_up_stdout() -> None:
+    """Put a sink in place of standard output, for Python's own last flush."""
+    sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115, PTH123
 
 
 def _encodable(text: str, stream: TextIO) -> str:

@@ -207,5 +207,10 @@ def _syntax(source: Source, error: yaml.MarkedYAMLError) -> Problem:
         return source.problem(line, opening + 1, 1, "", message, _QUOTE)
     if "\t" in text[:column]:
         return source.problem(line, column, 1, "", f"this is no YAML: {what}", "indent with spaces, not tabs")
-    hint = _QUOTE if any(c in text for c in "([{*@&%") else ""
+    start = error.context_mark
+    if start and start.line + 1 < line and "flow" in (error.context or ""):
+        place = f"line {start.line + 1}, column {start.column + 1}"
+        hint = f"the bracket opened in {place}, is not closed before this"
+    else:
+        hint = _QUOTE if any(c in text for c in "([{*@&%") else ""
     return source.problem(line, column, 1, "", f"this is no YAML: {what}", hint)

@@ -72,6 +72,10 @@ def parse_covectors_file(system: System, path: str | Path) -> tuple[Quantity, ..
     problems = Problems()
     root = compose(read_source(path), problems)
     found: list[Quantity] = []
+    if isinstance(root, Scalar) and not root.is_null:
+        hint = "one combination a line, each behind a dash: - b_g2 + omega*M_g21"
+        problems.add(root.problem("", "a list of combinations is expected here, not a text", hint))
+        problems.raise_any()
     for k, item in enumerate(() if root is None else items_of(root, "", problems), start=1):
         one = formula(item, f"[{k}]", problems)
         found += quantity(one.text or f"[{k}]", one, scope_of(system), problems)

@@ -108,7 +108,8 @@ def _entry(
         shape: tuple[int, ...] = (len(suffixes),)
         cells: tuple[str | None, ...] = tuple(f"{name}_{suffix}" for suffix in suffixes)
         if shape_node is not None and _shape(shape_node, f"{path}.shape", problems) not in {None, shape}:
-            problems.add(shape_node.problem(f"{path}.shape", f"there are {len(suffixes)} components"))
+            message = f"this shape does not fit the {len(suffixes)} names in `components`"
+            problems.add(shape_node.problem(f"{path}.shape", message, "leave `shape` out"))
     else:
         shape = _shape(shape_node, path, problems) or ()
         cells = ()

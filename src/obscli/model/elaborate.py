@@ -65,6 +65,7 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
         {name for state in states for name in (state.name, state.vector)},
         {*dynamics.disturbances, *(one.name for one in draft.disturbances)},
         {name for output in outputs for name in (output.name, output.vector)},
+        (len(states), len(dynamics.disturbances), len(outputs)),
     )
     return System(
         stage=setting.stage,

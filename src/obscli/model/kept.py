@@ -12,6 +12,7 @@ from obscli.model.keys import fields, whole_of
 from obscli.model.plain import plain
 from obscli.model.scope import Scope
 from obscli.model.system import Plain
+from obscli.model.tensor import Tensor, named
 from obscli.model.tree import Broken, Mapping, Node, Scalar
 from obscli.model.trouble import Problems, nearest, shown
 
@@ -27,6 +28,7 @@ class Targets:
     states: Collection[str]
     disturbances: Collection[str]
     outputs: Collection[str]
+    sizes: tuple[int, int, int]  # how many states, disturbances, outputs, as scalars
 
 
 def kept_noise(
@@ -35,11 +37,16 @@ def kept_noise(
     """Return ``noise`` checked: keys, names and expressions."""
     if node is None or isinstance(node, Broken):
         return None
-    for key, (_, value) in fields(node, path, NOISE_KEYS, problems).items():
-        names = targets.outputs if key == "R" else targets.states
+    given = fields(node, path, NOISE_KEYS, problems)
+    if "P0" in given and "P0_std" in given:
+        message = "`P0` and `P0_std` are both given; one of the two"
+        problems.add(given["P0_std"][0].problem(path, message))
+    n, disturbances, m = targets.sizes
+    for key, (_, value) in given.items():
+        names, size = (targets.outputs, m) if key == "R" else (targets.states, n)
         if key == "Q" and targets.disturbances:
-            names = targets.disturbances
-        _check_values(value, f"{path}.{key}", names, scope, problems)
+            names, size = targets.disturbances, disturbances
+        _check_values(value, f"{path}.{key}", names, 1 if key == "step" else size, scope, problems)
     return plain(node)
 
 
@@ -63,11 +70,17 @@ def kept_require(node: Node | None, names: Collection[str], scope: Scope, proble
     return plain(node)
 
 
-def _check_values(node: Node, path: str, names: Collection[str], scope: Scope, problems: Problems) -> None:
+def _check_values(
+    node: Node, path: str, names: Collection[str], size: int, scope: Scope, problems: Problems
+) -> None:
+    """Check a scalar for all, a list of diagonal entries, a square matrix, or a mapping by name."""
     if isinstance(node, Mapping):
         _check_mapping(node, path, names, scope, problems)
-    else:
-        _check_expression(node, path, scope, problems)
+        return
+    value = _check_expression(node, path, scope, problems)
+    if value is not None and not value.is_scalar and value.shape not in {(size,), (size, size)}:
+        wanted = f"a scalar, a list of {size} (the diagonal) or a {size}×{size} matrix is expected here"
+        problems.add(node.problem(path, f"{wanted}, not {named(value.shape)}"))
 
 
 def _check_mapping(node: Node, path: str, names: Collection[str], scope: Scope, problems: Problems) -> None:
@@ -78,9 +91,9 @@ def _check_mapping(node: Node, path: str, names: Collection[str], scope: Scope, 
         _check_expression(value, f"{path}.{name}", scope, problems)
 
 
-def _check_expression(node: Node, path: str, scope: Scope, problems: Problems) -> None:
+def _check_expression(node: Node, path: str, scope: Scope, problems: Problems) -> Tensor | None:
     """Evaluate for the problems' sake; the later command evaluates with its own numbers."""
     if isinstance(node, Scalar) and node.is_null:
         problems.add(node.problem(path, "an expression is missing here"))
-        return
-    evaluate(formula(node, path, problems), scope, problems)
+        return None
+    return evaluate(formula(node, path, problems), scope, problems)

@@ -50,9 +50,9 @@ def dense(
         return None
     shape = (1, 1) if value.is_scalar else value.shape
     if len(shape) != 2 or shape[1] != columns or rows not in {None, shape[0]}:
-        wanted = f"{'m' if rows is None else rows}×{columns}"
+        wanted = f"an m×{columns} matrix" if rows is None else f"a {rows}×{columns} matrix"
         hint = "one row is written [[…]], with two pairs of brackets" if len(shape) == 1 else ""
-        problems.add(formula.problem(f"a {wanted} matrix is expected here, not {named(value.shape)}", hint))
+        problems.add(formula.problem(f"{wanted} is expected here, not {named(value.shape)}", hint))
         return None
     cells = ((i, j, value.entries[i * columns + j].constant) for i in range(shape[0]) for j in range(columns))
     entries = {(i, j): node for i, j, node in cells if not is_zero(node)}

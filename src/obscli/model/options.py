@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 from obscli.model.draft import Draft, Entry, ParameterDraft
 from obscli.model.expression import Expression
@@ -15,6 +16,9 @@ from obscli.model.system import Matrix, Output, Quantity, State, System
 from obscli.model.tensor import Tensor
 from obscli.model.tree import Scalar
 from obscli.model.trouble import Problems, nearest, shown
+
+
+MOST_LISTED: Final = 12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,8 +53,9 @@ def set_values(options: Options, draft: Draft, problems: Problems) -> Draft:
     for name, text in options.settings.items():
         key, node = _assignment("--set", name, text)
         if name not in draft.parameters:
-            message = f"'{shown(name)}' is no parameter{nearest(name, draft.parameters)}"
-            problems.add(key.problem("", message))
+            near = nearest(name, draft.parameters)
+            hint = "" if near else _listed(draft.parameters)
+            problems.add(key.problem("", f"'{shown(name)}' is no parameter{near}", hint))
         value: Formula = formula(node, name, problems)
         found[name] = ParameterDraft(key, value)
     return Draft(draft.node, parameters=found)
@@ -68,6 +73,10 @@ def selected(system: System, options: Options, problems: Problems) -> System:
         )
     if options.without:
         left_out = set(_positions("--without", options.without, system.states, problems))
+        if len(left_out) == system.n:
+            problems.add(
+                Source("--without", ",".join(options.without)).problem(1, 1, 1, "", "no state is left")
+            )
         system = _without(system, [i for i in range(system.n) if i not in left_out])
     return system
 
@@ -84,11 +93,20 @@ def _positions(
         found = {i for i, one in enumerate(known) if name in (one.name, one.vector)}
         if not found:
             what = "output" if option == "--outputs" else "state"
-            message = f"'{shown(name)}' is no {what}{nearest(name, spellings)}"
-            problems.add(source.problem(1, column, len(name), "", message))
+            near = nearest(name, spellings)
+            message = f"'{shown(name)}' is no {what}{near}"
+            hint = "" if near else _listed(spellings)
+            problems.add(source.problem(1, column, len(name), "", message, hint))
         wanted |= found
         column += len(name) + 1
     return sorted(wanted)
+
+
+def _listed(names: Iterable[str]) -> str:
+    """Return the names there are, some of them where they are many."""
+    known = list(dict.fromkeys(names))
+    rest = f" and {len(known) - MOST_LISTED} more" if len(known) > MOST_LISTED else ""
+    return f"there are: {', '.join(known[:MOST_LISTED])}{rest}" if known else "there are none"
 
 
 def _taken(matrix: Matrix, rows: Sequence[int], columns: Sequence[int]) -> Matrix:

@@ -117,6 +117,8 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
         return None
     if any(node.get(key) for node in (root, *_mappings(stages)) for key in NOT_YET):
         return None
+    if options.fix:
+        claims = ()  # about the system before the substitution, which some of them do not survive
     variants = Variants(draft, stages, set_values(options, draft, problems), fixes(options, problems), claims)
     systems = variants.elaborate(problems)
     if not systems:

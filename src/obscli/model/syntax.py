@@ -183,7 +183,8 @@ class _Parser:
             )
         if token.text in {")", "]"}:
             return Mistake(token.offset, 1, f"this '{token.text}' closes nothing")
-        return Mistake(token.offset, token.width, f"'{token.text}' is not expected here")
+        hint = "lists and rows are written in brackets: [0, 1]" if token.text == "," else ""
+        return Mistake(token.offset, token.width, f"'{token.text}' is not expected here", hint)
 
 
 def _nonfinite(token: Token, following: Token) -> str:

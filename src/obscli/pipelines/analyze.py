@@ -15,6 +15,7 @@ from obscli.model.system import Model, System
 from obscli.pipelines.analysis_data import report_data
 from obscli.pipelines.describe.report import report_document
 from obscli.pipelines.neglect import compared
+from obscli.pipelines.other_stages import with_other_stages
 from obscli.pipelines.reading import chosen_systems, expanded_states
 from obscli.pipelines.request import AnalyzeRequest, Changes, Progress, silent
 from obscli.pipelines.stage_result import StageResult
@@ -71,7 +72,7 @@ def analyze(
             progress(label + "the system before --fix")
             finding = _with_neglect(finding, unfixed, changes)
         results.append(StageResult(model, system, finding))
-    return AnalyzeReport(tuple(results), changes)
+    return AnalyzeReport(with_other_stages(tuple(results)), changes)
 
 
 def _labelled(progress: Progress, label: str) -> Progress:

@@ -15,7 +15,8 @@ def compared(before: Analysis, after: Analysis, substitution: str) -> Neglect:
     """Return the ranks before and after, and the combinations lost and gained.
 
     A combination of the system before is lost where, the substitution made in it, it is no combination of
-    the system after; it is reported as it was before.
+    the system after; it is reported as it was before. One of the system after is gained where it was none
+    before, unless it merely is one of those before, of the same states, with the substitution made in it.
 
     Raises
     ------
@@ -33,7 +34,16 @@ def compared(before: Analysis, after: Analysis, substitution: str) -> Neglect:
         id(image.coefficients): one.coefficients
         for image, one in zip(images, before.combinations, strict=True)
     }
-    return replace(found, lost=tuple(originals.get(id(covector), covector) for covector in found.lost))
+    lost = tuple(originals.get(id(covector), covector) for covector in found.lost)
+    directions = tuple(special.covector(direction) for direction in before.unobservable)
+    known = engine.contained(replace(before, unobservable=directions), list(found.gained))
+    supports = {frozenset(one.coefficients) for one in before.combinations}
+    gained = tuple(
+        covector
+        for covector, is_image in zip(found.gained, known, strict=True)
+        if not (is_image and frozenset(covector) in supports)
+    )
+    return replace(found, lost=lost, gained=gained)
 
 
 def _free_names(system: System) -> set[str]:

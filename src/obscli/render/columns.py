@@ -28,10 +28,12 @@ def column_widths(natural: Sequence[int], breaks: Sequence[bool], width: int) ->
     available = width - GAP * (len(natural) - 1)
     if sum(natural) <= available:
         return list(natural)
-    widths = [own if free else min(own, WIDEST_FIXED) for own, free in zip(natural, breaks, strict=True)]
+    widths = [
+        max(own if free else min(own, WIDEST_FIXED), 1) for own, free in zip(natural, breaks, strict=True)
+    ]
     _share(widths, [k for k, free in enumerate(breaks) if free], available)
     _share(widths, list(range(len(widths))), available)
-    return [max(own, 1) for own in widths]
+    return widths
 
 
 def _share(widths: list[int], members: list[int], available: int) -> None:

@@ -53,7 +53,7 @@ def render(report: Report, surface: Surface) -> str:
     blocks = report.document().flat(details=surface.details).blocks
     body = "\n".join(_block(block) for block in blocks)
     # the Cyrillic encoding is a package of its own, so it is asked for only where it is needed
-    encodings = "T2A,T1" if CYRILLIC.search(body) else "T1"
+    encodings = "T1,T2A" if CYRILLIC.search(body) else "T1"  # the last one is current
     return HEAD.replace("@ENCODINGS@", encodings) + body + "\n" + FOOT
 
 

@@ -31,7 +31,8 @@ def _stage_blocks(result: StageChecks) -> Iterator[Block]:
 def _sentence(check: CheckResult) -> Inline:
     """Say what holds and in which line it is asserted; of anything else, why, and the whole place."""
     if check.verdict == "holds":
-        line = "" if check.place is None else f" (line {check.place.line})"
+        in_file = check.place is not None and not check.place.file.startswith("--")
+        line = f" (line {check.place.line})" if in_file and check.place else ""
         return (Text(check.claim), Text(line, "faint"))
     grounds = f": {check.reason}" if check.reason else ""
     where = "" if check.place is None else f" ({check.place})"

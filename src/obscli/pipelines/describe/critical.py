@@ -72,8 +72,8 @@ def _scope(search: CriticalSearch) -> str:
 
 def _instants(instants: tuple[str, ...]) -> str:
     return (
-        f"At isolated instants, where {' or '.join(instants)}, the observability matrix itself has lower rank; "
-        "on any interval around them nothing is lost."
+        f"At isolated instants, where {' or '.join(instants)}, the observability matrix itself "
+        "has lower rank; on any interval around them nothing is lost."
     )
 
 
