@@ -7,93 +7,76 @@ themselves, so that an estimator may carry them, is the question of detectabilit
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from obscli.exact.finding import Analysis
 
-_MOST_NAMES = 6
-_MOST_GROUPS = 3
+_MOST_NAMES = 8
 
 
 def advise(analysis: Analysis) -> tuple[str, ...]:
     """Return a few lines of advice: estimate, measure or move, leave out."""
-    n = analysis.system.n
-    missing = n - analysis.rank
+    missing = analysis.system.n - analysis.rank
     if not missing:
-        return (
-            "Every state is observable: an estimator of the full state can be designed.",
-            *_at_values(analysis),
-        )
-    alone = [state for state, verdict in analysis.states.items() if verdict == "unobservable"]
-    return (
-        (
-            f"Estimate the {analysis.rank} combinations above, not the {n} states: "
-            f"{missing} direction{'s leave' if missing > 1 else ' leaves'} no trace in the outputs."
-        ),
-        *_measure(analysis, alone),
-        *_leave_out(analysis, alone),
-        *_at_values(analysis),
+        whole = "Every state is observable: an estimator of the full state can be designed."
+        return (whole, *_at_values(analysis))
+    leave = "directions of the state leave" if missing > 1 else "direction of the state leaves"
+    estimate = (
+        f"Estimate the {_plural(analysis.rank, 'observable combination')} above, not the "
+        f"{_plural(analysis.system.n, 'state')}: {missing} {leave} no trace in the outputs."
     )
+    return (estimate, *_measure(analysis), *_leave_out(analysis), *_at_values(analysis))
 
 
-def missing_in_group(analysis: Analysis, group: Sequence[str]) -> int:
-    """Return how many unobservable directions lie in a group of coupled states."""
-    return sum(any(state in direction for state in group) for direction in analysis.unobservable)
+def _measure(analysis: Analysis) -> list[str]:
+    """Say which measurements would complete the rank, and which states need another motion.
 
-
-def _measure(analysis: Analysis, alone: list[str]) -> list[str]:
-    """Say which measurement would separate which group, and that the rest needs another motion."""
-    parts = []
-    for group in analysis.groups[:_MOST_GROUPS]:
-        missing = missing_in_group(analysis, group)
-        seen = list(dict.fromkeys(s for d in analysis.unobservable for s in d if s in group))
-        if missing:
-            many = "one more output" if missing == 1 else f"{missing} more outputs"
-            parts.append(f"{many} among {_join(seen, 'and')}")
-    if len(analysis.groups) > _MOST_GROUPS:
-        parts.append(f"the like for {len(analysis.groups) - _MOST_GROUPS} more groups")
-    lines = [f"To separate the coupled states, measure {'; '.join(parts)}."] if parts else []
+    The free states of a reduced kernel are a set that works: measured, each removes one direction.
+    """
+    lines = []
+    coupled = [state for state in analysis.free if analysis.states[state] == "coupled"]
+    alone = [state for state, verdict in analysis.states.items() if verdict == "unobservable"]
+    if coupled:
+        each = "each adds one combination" if len(coupled) > 1 else "it adds one combination"
+        lines.append(f"To separate the coupled states, measure {_join(coupled)} as well: {each}.")
     if alone:
+        them = "them" if len(alone) > 1 else "it"
         lines.append(
-            f"{_join(alone, 'and')}: no output contains {'it' if len(alone) == 1 else 'them'}, at any order; "
-            "only another motion or orientation, or an output that contains "
-            f"{'it' if len(alone) == 1 else 'them'}, would show {'it' if len(alone) == 1 else 'them'}."
+            f"{_join(alone)}: no output contains {them}, at any order; only another motion or orientation, "
+            f"or an output that contains {them}, would show {them}."
         )
     return lines
 
 
-def _leave_out(analysis: Analysis, alone: list[str]) -> list[str]:
-    """Say which states a reduced estimator can do without: the free states of the kernel."""
-    free = [list(direction)[-1] for direction in analysis.unobservable]
-    coupled = [state for state in free if state not in alone]
-    parts = []
-    if alone:
-        parts.append(f"drop {_join(alone, 'and')}")
+def _leave_out(analysis: Analysis) -> list[str]:
+    """Say how a reduced estimator does without the free states of the kernel."""
+    alone = [state for state, verdict in analysis.states.items() if verdict == "unobservable"]
+    coupled = [state for state in analysis.free if state not in alone]
+    parts = [f"drop {_join(alone)}"] if alone else []
     if coupled:
         what = "their values are" if len(coupled) > 1 else "its value is"
-        parts.append(f"fix {_join(coupled, 'and')} where {what} known or small")
-    return [f"For an estimator of {analysis.rank} states instead: {', and '.join(parts)}."]
+        parts.append(f"fix {_join(coupled)} where {what} known or small")
+    return [f"For an estimator of {_plural(analysis.rank, 'state')} instead: {', and '.join(parts)}."]
 
 
 def _at_values(analysis: Analysis) -> list[str]:
     at_values = analysis.at_values
     if at_values.rank is None or at_values.rank == analysis.rank:
         return []
-    because = ", ".join(at_values.because) or "together"
-    return [
-        (
-            f"The file's values ({because}) cost {analysis.rank - at_values.rank} of the rank: "
-            f"change them to reach {analysis.rank}."
-        )
-    ]
+    because = f" ({', '.join(at_values.because)})" if at_values.because else ""
+    lost = analysis.rank - at_values.rank
+    return [f"The file's values{because} cost {lost} of the rank: change them to reach {analysis.rank}."]
 
 
-def _join(names: list[str], word: str) -> str:
+def _plural(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def _join(names: Sequence[str]) -> str:
     if len(names) > _MOST_NAMES:
-        return f"{', '.join(names[:_MOST_NAMES])} {word} {len(names) - _MOST_NAMES} more"
-    if len(names) == 1:
-        return names[0]
-    return f"{', '.join(names[:-1])} {word} {names[-1]}"
+        names = [*names[: _MOST_NAMES - 1], f"{len(names) - _MOST_NAMES + 1} more"]
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -143,6 +143,7 @@ class Analysis:
 
     ``groups``: connected components of the graph states × combinations with more than one state.
     ``varying``: what varies in time, as readable text (``sin, cos of omega*t``; functions by name).
+    ``free``: the free state of each unobservable direction: measured, each would remove its direction.
     ``notes``: remarks that belong into the report (relations not stated, upper bound only, …).
     """
 
@@ -162,6 +163,7 @@ class Analysis:
     undecided: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     advice: tuple[str, ...] = ()
+    free: tuple[str, ...] = ()
     neglect: tuple[Neglect, ...] = ()
 
 

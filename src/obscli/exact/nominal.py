@@ -7,19 +7,22 @@ otherwise the specialised system is analysed anew.
 
 from __future__ import annotations
 
+from itertools import combinations
 from typing import TYPE_CHECKING
 
-from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
+from obscli.exact.exact_system import read_system
 from obscli.exact.finding import AtValues, CriticalSearch
 from obscli.exact.interpreter import Interpreter
 from obscli.exact.lower import prove_lower_bound
 from obscli.exact.prove import Proof, certificate, prove
+from obscli.model.expression import Symbol
 from obscli.model.notation import to_text
 from obscli.model.specialise import Specialisation, at_nominal
 
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Mapping
 
     from obscli.model.expression import Expression
     from obscli.model.system import Parameter, System
@@ -47,7 +50,7 @@ def _used(proof: Proof) -> list[Parameter]:
 
 def _rank(proof: Proof, special: System, critical: CriticalSearch | None) -> AtValues:
     columns = list(proof.flag.rows)
-    interpreter = Interpreter(special, [*special.A.entries.values(), *special.H.entries.values()])
+    interpreter = read_system(special).interpreter
     try:
         prove_lower_bound(special, interpreter, proof.saturation.rows, columns, patient=False)
     except UndecidedError:
@@ -75,7 +78,7 @@ def _vanishes(nominal: Specialisation, zero: Expression) -> bool:
     expression = nominal.expression(zero)
     try:
         return not Interpreter(nominal.system(), [expression]).read(expression)
-    except (UndecidedError, UndefinedError):
+    except (UndecidedError, UndefinedError, JetOverflowError):
         return False
 
 
@@ -85,14 +88,17 @@ def _fewest_values(proof: Proof, rank: int) -> tuple[str, ...]:
     fixed = {p.name: p.nominal for p in _used(proof) if p.nominal is not None}
     for name in list(fixed):
         rest = {other: value for other, value in fixed.items() if other != name}
-        try:
-            lower = prove(Specialisation(system, rest).system(), range(system.n)).rank == rank
-        except (UndecidedError, UndefinedError):
-            lower = False
-        if lower:
+        if _rank_is(system, rest, rank):
             fixed = rest
-    return tuple(_equations(fixed.items()))
+    for first, second in combinations(fixed, 2):
+        equal = {second: Symbol(first)}
+        if to_text(fixed[first]) == to_text(fixed[second]) and _rank_is(system, equal, rank):
+            return (f"{second} = {first}",)
+    return tuple(f"{name} = {to_text(value)}" for name, value in fixed.items())
 
 
-def _equations(pairs: Iterable[tuple[str, Expression]]) -> list[str]:
-    return [f"{name} = {to_text(value)}" for name, value in pairs]
+def _rank_is(system: System, values: Mapping[str, Expression], rank: int) -> bool:
+    try:
+        return prove(Specialisation(system, values).system(), range(system.n)).rank == rank
+    except (UndecidedError, UndefinedError):
+        return False
