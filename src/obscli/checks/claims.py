@@ -13,12 +13,12 @@ from typing import TypeAlias
 from obscli.core.check import CheckResult
 from obscli.core.place import Place
 from obscli.exact.analysis import Options, analyze
-from obscli.exact.echelon import PolyRow, reduced_echelon
+from obscli.exact.echelon import PolyRow, polynomial_row, reduced_echelon
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.exact_system import ExactSystem, Row, read_system
-from obscli.exact.field import Element, common_denominator
+from obscli.exact.field import Element
 from obscli.exact.finding import Analysis, Undecided
-from obscli.exact.nonzero import first_nonzero
+from obscli.exact.nonzero import first_nonzero, require_independent
 from obscli.exact.rows import dot
 from obscli.model.expression import Expression
 from obscli.model.notation import to_text
@@ -165,22 +165,20 @@ class _Checker:
             else:
                 independent = rows
         missing = self.analysis.rank - len(independent)
+        if not problems and not missing:
+            require_independent(self.exact.interpreter, [self.row(self.image[id(q)]) for q in basis])
         if missing:
             forgotten = self._forgotten(independent)
             problems.append(f"{missing} forgotten, for example {forgotten}")
         return problems
 
     def _polynomial_row(self, quantity: Quantity) -> PolyRow:
-        row = self.row(self.image[id(quantity)])
-        den = common_denominator(row.values(), self.exact.field.one_polynomial)
-        return {j: e.num * (den / e.den) for j, e in row.items()}
+        return polynomial_row(self.exact.field, self.row(self.image[id(quantity)]))
 
     def _forgotten(self, independent: list[PolyRow]) -> str:
         """Return a combination of the proved basis that the claimed rows do not span."""
-        one = self.exact.field.one_polynomial
         for combination, row in zip(self.analysis.combinations, self.basis, strict=True):
-            den = common_denominator(row.values(), one)
-            rows = [*independent, {j: e.num * (den / e.den) for j, e in row.items()}]
+            rows = [*independent, polynomial_row(self.exact.field, row)]
             if len(reduced_echelon(self.exact.field, rows, range(self.exact.n))) == len(rows):
                 return _covector(combination.coefficients)
         return "a combination of the proved basis"

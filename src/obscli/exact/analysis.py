@@ -10,10 +10,10 @@ from obscli.exact.advice import advise
 from obscli.exact.basis import preferred_basis, sparse_basis
 from obscli.exact.critical import search_critical_values
 from obscli.exact.echelon import PolyRow
-from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.exact_system import read_system
 from obscli.exact.field import Element
-from obscli.exact.finding import Analysis, Combination, Neglect, Undecided
+from obscli.exact.finding import Analysis, Combination, CriticalSearch, Neglect, Undecided
 from obscli.exact.nominal import rank_at_values
 from obscli.exact.nonzero import first_nonzero
 from obscli.exact.origin import first_rows
@@ -57,11 +57,16 @@ def analyze(
     """
     options = options or Options()
     progress("observability matrix")
-    try:
-        proof = prove(system, _columns(system, options.pivot_order), _extra(system, options))
-    except (UndecidedError, UndefinedError) as error:
-        return Undecided(system, str(error))
-    return _describe(proof, options, progress)
+    jets = 4
+    while True:
+        try:
+            proof = prove(system, _columns(system, options.pivot_order), _extra(system, options), jets)
+            jets = 2 * proof.exact.interpreter.jets
+            return _describe(proof, options, progress)
+        except JetOverflowError:
+            continue
+        except (UndecidedError, UndefinedError) as error:
+            return Undecided(system, str(error))
 
 
 def _extra(system: System, options: Options) -> list[Expression]:
@@ -83,7 +88,7 @@ def _describe(proof: Proof, options: Options, progress: Progress) -> Analysis:
     critical = None
     if options.critical:
         progress("critical values")
-        critical = search_critical_values(proof, progress)
+        critical = _critical(proof, progress)
     progress("rank at the file's values")
     analysis = Analysis(
         system=system,
@@ -99,12 +104,29 @@ def _describe(proof: Proof, options: Options, progress: Progress) -> Analysis:
         ),
         certificate=certificate(proof) if options.certificate else None,
         at_values=rank_at_values(proof, critical),
-        frozen_rank=saturate(exact, frozen=True).rank if exact.varies else proof.rank,
+        frozen_rank=_frozen_rank(proof),
         critical=critical,
         varying=_varying(proof),
+        free=tuple(names[f] for f in proof.kernel.columns),
         notes=(*notes, *_notes(system)),
     )
     return replace(analysis, advice=advise(analysis))
+
+
+def _critical(proof: Proof, progress: Progress) -> CriticalSearch:
+    try:
+        return search_critical_values(proof, progress)
+    except UndecidedError as error:
+        return CriticalSearch((), complete=False, not_searched=(str(error),), instants=())
+
+
+def _frozen_rank(proof: Proof) -> int | None:
+    if not proof.exact.varies:
+        return proof.rank
+    try:
+        return saturate(proof.exact, frozen=True).rank
+    except UndecidedError:
+        return None
 
 
 def _basis(proof: Proof, options: Options) -> tuple[list[PolyRow], list[str]]:

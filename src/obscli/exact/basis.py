@@ -5,8 +5,9 @@ from __future__ import annotations
 import random
 from typing import TYPE_CHECKING
 
-from obscli.exact.echelon import reduced_echelon
-from obscli.exact.field import Element, common_denominator
+from obscli.exact.echelon import polynomial_row, reduced_echelon
+from obscli.exact.field import Element
+from obscli.exact.nonzero import first_nonzero, require_independent
 from obscli.exact.rows import dot
 
 
@@ -34,7 +35,7 @@ def sparse_basis(exact: ExactSystem, rows: Mapping[int, PolyRow]) -> list[PolyRo
         candidates += reduced_echelon(exact.field, list(rows.values()), order).values()
     unique = {tuple(sorted(row)): row for row in reversed(candidates)}
     ranked = sorted(unique.values(), key=lambda row: (len(row), sum(map(len, row.values())), sorted(row)))
-    return _independent(exact, ranked, len(rows))
+    return _proved(exact, _independent(exact, ranked, len(rows)))
 
 
 def preferred_basis(
@@ -52,16 +53,24 @@ def preferred_basis(
     for quantity in preferred:
         elements = {index[s]: exact.interpreter.read(e) for s, e in quantity.coefficients.items()}
         elements = {j: e for j, e in elements.items() if e}
-        if not elements or any(dot(exact.field, elements, column) for column in columns):
+        products = [dot(exact.field, elements, column) for column in columns]
+        if not elements or first_nonzero(exact.interpreter, products) is not None:
             notes.append(f"{quantity.text or quantity.name} is not observable and was left out of the basis")
             continue
-        den = common_denominator(elements.values(), one)
-        row = {j: e.num * (den / e.den) for j, e in elements.items()}
+        row = polynomial_row(exact.field, elements)
         if len(_independent(exact, [*chosen, row], len(chosen) + 1)) == len(chosen):
             notes.append(f"{quantity.text or quantity.name} depends on the rows before it and was left out")
             continue
         chosen.append(row)
-    return _independent(exact, [*chosen, *rows.values()], len(rows)), notes
+    return _proved(exact, _independent(exact, [*chosen, *rows.values()], len(rows))), notes
+
+
+def _proved(exact: ExactSystem, rows: list[PolyRow]) -> list[PolyRow]:
+    """Return the rows, proved independent."""
+    one = exact.field.one_polynomial
+    elements = [{j: Element(exact.field, p, one) for j, p in row.items()} for row in rows]
+    require_independent(exact.interpreter, elements)
+    return rows
 
 
 def _independent(exact: ExactSystem, candidates: Sequence[PolyRow], rank: int) -> list[PolyRow]:

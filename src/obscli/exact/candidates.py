@@ -11,8 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.interpreter import Interpreter
+from obscli.exact.polynomial import common_factor
 from obscli.exact.roots import evident_sign, sign_of
 from obscli.model.expression import Expression
 
@@ -65,7 +66,7 @@ def time_content(field: Field, polynomial: Polynomial) -> Polynomial:
     content = None
     for part in sorted(groups.values(), key=len):
         gathered = field.ctx.from_dict(part)
-        content = gathered if content is None else content.gcd(gathered)
+        content = gathered if content is None else common_factor(content, gathered)
         if content.is_constant():
             break
     assert content is not None
@@ -108,5 +109,5 @@ def value_allowed(exact: ExactSystem, name: str, value: Expression) -> bool:
         interpreter = Interpreter(exact.system, [value])
         element = interpreter.read(value)
         return sign_of(interpreter, element.num * element.den) != -1
-    except (UndecidedError, UndefinedError):
+    except (UndecidedError, UndefinedError, JetOverflowError):
         return True

@@ -10,7 +10,7 @@ Constants are the matter of ``entangled``.
 from __future__ import annotations
 
 from itertools import combinations, product
-from math import gcd
+from math import gcd, prod
 from typing import TYPE_CHECKING, TypeAlias
 
 from flint import Ordering, nmod_mpoly_ctx
@@ -19,6 +19,7 @@ from obscli.exact.angles import LARGEST_MULTIPLE
 from obscli.exact.candidates import Candidate, content_candidates
 from obscli.exact.entangled import entangled_constants
 from obscli.exact.field import Element
+from obscli.exact.polynomial import MOST_PAIRS, require_small
 from obscli.model.notation import to_text
 
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from obscli.exact.exact_system import ExactSystem
+    from obscli.exact.field import Generator
     from obscli.exact.polynomial import Polynomial
 
 #: A prime with p = 1 (mod 4), so that i = √-1 exists, and that root.
@@ -62,8 +64,8 @@ def collision_candidates(
         )
     entangled = entangled_constants(exact)
     if entangled:
-        names = ", ".join(to_text(field.generators[k].meaning) for k in entangled[:3])
-        left_out.append(f"values at which constants ({names}) are related to others in the model")
+        names = ", ".join(_constant(field.generators[k]) for k in entangled[:3])
+        left_out.append(f"values at which {names} is related in another way to the rest of the model")
         found.update(content_candidates(exact, _special_arguments(exact, entangled), "collision"))
     resultants, skipped = _common_factors(exact)
     found.update(content_candidates(exact, resultants, "collision"))
@@ -86,6 +88,12 @@ def collision_candidates(
     return found, tuple(left_out)
 
 
+def _constant(generator: Generator) -> str:
+    if generator.kind == "angle" and generator.argument is not None:
+        return f"sin({to_text(generator.argument)})"
+    return to_text(generator.meaning)
+
+
 def _special_arguments(exact: ExactSystem, constants: Iterable[int]) -> Iterable[Polynomial]:
     """Yield what vanishes where a constant has the value of an exact number: sin 0 = 0, log 1 = 0."""
     for k in constants:
@@ -96,7 +104,7 @@ def _special_arguments(exact: ExactSystem, constants: Iterable[int]) -> Iterable
 
 
 def _common_factors(exact: ExactSystem) -> tuple[list[Polynomial], list[str]]:
-    """Return resultants that vanish where arguments of varying primitives share a factor; what is left out."""
+    """Return resultants that vanish where arguments of varying primitives share a factor; what is left."""
     field = exact.field
     primitives = [k for k, g in enumerate(field.generators) if g.kind == "primitive" and field.varies(k)]
     if len(primitives) < 2:
@@ -162,6 +170,7 @@ def _differences(
         return list(found)
     for divisor in divisors:
         norm = exact.field.norm(divisor)
+        require_small(len(norm) * prod(int(norm.degrees()[k]) + 1 for k in indices), MOST_PAIRS)
         harmonics = _harmonics(norm, indices) if kind == "angle" else _exponents(norm, indices)
         for a, b in combinations(harmonics, 2):
             found.add(_primitive(tuple(x - y for x, y in zip(a, b, strict=True))))

@@ -11,13 +11,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeAlias
 
 from obscli.exact.errors import UndecidedError
-from obscli.exact.field import MOST_TERMS, Field, least_common_multiple
+from obscli.exact.field import Field, common_denominator, least_common_multiple
+from obscli.exact.polynomial import MOST_TERMS, common_factor, require_small, times
 
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
+    from obscli.exact.field import Element
     from obscli.exact.polynomial import Polynomial
+
+#: The squares of the numbers of terms of all entries computed may add up to this, and to this much more
+#: for every state; it takes some seconds (16 IMUs, 339 states, come to 8 million).
+_MOST_WORK, _MOST_WORK_PER_STATE = 60_000_000, 200_000
 
 #: A sparse row of polynomials by column.
 PolyRow: TypeAlias = "dict[int, Polynomial]"
@@ -30,6 +36,7 @@ class Echelon:
         self.field = field
         self.rows: dict[int, PolyRow] = {}
         self.divisors: dict[str, Polynomial] = {}
+        self._work = 0
         self._place = {column: k for k, column in enumerate(columns)}
 
     def reduce(self, row: PolyRow) -> PolyRow:
@@ -41,15 +48,15 @@ class Echelon:
         multiplier = self.field.one_polynomial
         for p in pivots:
             pivot = self.rows[p][p]
-            common = pivot.gcd(row[p])
+            common = common_factor(pivot, row[p])
             quotients[p] = (row[p] / common, pivot / common)
             multiplier = least_common_multiple(multiplier, pivot / common)
-        result = {j: entry * multiplier for j, entry in row.items() if j not in quotients}
+        result = {j: times(entry, multiplier) for j, entry in row.items() if j not in quotients}
         for p, (above, below) in quotients.items():
-            factor = -above * (multiplier / below)
+            factor = times(-above, multiplier / below)
             for j, entry in self.rows[p].items():
                 if j != p:
-                    accumulate(result, j, entry * factor)
+                    accumulate(result, j, times(entry, factor))
         return self.normal(result)
 
     def insert(self, row: PolyRow) -> None:
@@ -63,12 +70,12 @@ class Echelon:
         self.rows[pivot] = row
 
     def _combine(self, other: PolyRow, row: PolyRow, pivot: int) -> PolyRow:
-        common = other[pivot].gcd(row[pivot])
+        common = common_factor(other[pivot], row[pivot])
         mine, theirs = row[pivot] / common, -(other[pivot] / common)
-        result = {j: entry * mine for j, entry in other.items() if j != pivot}
+        result = {j: times(entry, mine) for j, entry in other.items() if j != pivot}
         for j, entry in row.items():
             if j != pivot:
-                accumulate(result, j, entry * theirs)
+                accumulate(result, j, times(entry, theirs))
         return self.normal(result)
 
     def _rationalise(self, row: PolyRow, pivot: int) -> PolyRow:
@@ -78,7 +85,7 @@ class Echelon:
         multiplier = self.field.rationaliser(row[pivot])
         if multiplier is None:
             return row
-        return self.strip(self.normal({j: entry * multiplier for j, entry in row.items()}))
+        return self.strip(self.normal({j: times(entry, multiplier) for j, entry in row.items()}))
 
     def strip(self, row: PolyRow) -> PolyRow:
         """Return the row divided by its content."""
@@ -91,7 +98,7 @@ class Echelon:
     def _content(self, row: PolyRow) -> Polynomial | None:
         content = None
         for entry in sorted(row.values(), key=len):
-            content = entry if content is None else content.gcd(entry)
+            content = entry if content is None else common_factor(content, entry)
             if content.is_one():
                 return None
         if content is None:
@@ -102,8 +109,9 @@ class Echelon:
         """Return the row modulo the relations of the field, without zeros."""
         if self.field.has_roots:
             row = {j: self.field.reduce(entry) for j, entry in row.items()}
-        if any(len(entry) > MOST_TERMS for entry in row.values()):
-            raise UndecidedError("the coefficients grew too large for exact algebra")
+        require_small(max(map(len, row.values()), default=0), MOST_TERMS)
+        self._work += sum(len(entry) ** 2 for entry in row.values())
+        require_small(self._work, _MOST_WORK + _MOST_WORK_PER_STATE * len(self._place))
         return {j: entry for j, entry in row.items() if not entry.is_zero()}
 
     def log(self, divisor: Polynomial) -> None:
@@ -120,6 +128,12 @@ def reduced_echelon(field: Field, rows: Iterable[PolyRow], columns: Sequence[int
         if rest:
             echelon.insert(echelon.strip(rest))
     return echelon.rows
+
+
+def polynomial_row(field: Field, row: Mapping[int, Element]) -> PolyRow:
+    """Return a row of field elements times their common denominator."""
+    den = common_denominator(row.values(), field.one_polynomial)
+    return {j: times(e.num, den / e.den) for j, e in row.items()}
 
 
 def accumulate(row: PolyRow, column: int, term: Polynomial) -> None:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from obscli.exact.echelon import Echelon, PolyRow, accumulate
 from obscli.exact.field import common_denominator, least_common_multiple
+from obscli.exact.polynomial import times
 
 
 if TYPE_CHECKING:
@@ -93,15 +94,15 @@ class _Elimination:
         result: PolyRow = {}
         for k in rates:
             rate = self.field.derivative(k)
-            factor = rate.num * (den / rate.den)
+            factor = times(rate.num, den / rate.den)
             for j, entry in row.items():
                 partial = entry.derivative(k)
                 if not partial.is_zero():
-                    accumulate(result, j, partial * factor)
+                    accumulate(result, j, times(partial, factor))
         for i, entry in row.items():
-            scaled = entry * (den / self.denominators[i])
+            scaled = times(entry, den / self.denominators[i])
             for j, a in self.A[i].items():
-                accumulate(result, j, scaled * a)
+                accumulate(result, j, times(scaled, a))
         return self.echelon.normal(result)
 
     def _rates(self, row: PolyRow) -> list[int]:
@@ -116,4 +117,4 @@ class _Elimination:
         return den
 
     def _product(self, a: Polynomial, b: Polynomial) -> Polynomial:
-        return self.field.reduce(a * b) if self.field.has_roots else a * b
+        return self.field.reduce(times(a, b))

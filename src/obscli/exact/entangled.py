@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from obscli.exact.field import Element
-from obscli.exact.interpreter import polynomial_coefficients
+from obscli.exact.polynomial import polynomial_coefficients
 
 
 if TYPE_CHECKING:
@@ -40,7 +40,8 @@ def _places(exact: ExactSystem) -> list[set[int]]:
     """Return the generators that occur in A and H together, and in each argument, relation and rule."""
     interpreter = exact.interpreter
     entries = [e for row in (*exact.A, *exact.H) for e in row.values()]
-    parts: list[Sequence[Element]] = [entries, [interpreter.read(rule) for rule in interpreter.rules.values()]]
+    rules = [interpreter.read(rule) for rule in interpreter.rules.values()]
+    parts: list[Sequence[Element]] = [entries, rules]
     for generator in exact.field.generators:
         if generator.kind == "root":
             parts.append([interpreter.read(coefficient) for coefficient in generator.relation])

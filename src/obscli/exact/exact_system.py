@@ -64,9 +64,12 @@ def read_system(system: System, extra: Iterable[Expression] = (), jets: int = 4)
     UndecidedError : zero cannot be decided for some coefficient; the text names its place
     UndefinedError : a coefficient does not exist (zero denominator); the text names its place
     """
+    extra = tuple(extra)
     roots = [*system.A.entries.values(), *system.H.entries.values(), *extra]
     try:
         interpreter = Interpreter(system, roots, jets)
+    except JetOverflowError:
+        return read_system(system, extra, _more(jets))
     except (UndecidedError, UndefinedError) as error:
         raise _located(system, error) from error
     A = _rows(system.A, interpreter)
@@ -76,10 +79,13 @@ def read_system(system: System, extra: Iterable[Expression] = (), jets: int = 4)
 
 def more_jets(exact: ExactSystem, extra: Iterable[Expression] = ()) -> ExactSystem:
     """Read the system again with twice as many derivatives of its functions."""
-    jets = 2 * exact.interpreter.jets
-    if jets > MOST_JETS:
+    return read_system(exact.system, extra, _more(exact.interpreter.jets))
+
+
+def _more(jets: int) -> int:
+    if 2 * jets > MOST_JETS:
         raise UndecidedError(f"more than {MOST_JETS} derivatives of a function would be needed")
-    return read_system(exact.system, extra, jets)
+    return 2 * jets
 
 
 def _rows(matrix: Matrix, interpreter: Interpreter) -> tuple[Row, ...]:
@@ -99,7 +105,7 @@ def _located(system: System, error: Exception) -> Exception:
                 Interpreter(system, [expression])
             except type(error):
                 return type(error)(_where(system, name, i, j, matrix.places.get((i, j))) + _why(error))
-            except JetOverflowError:
+            except (JetOverflowError, UndecidedError, UndefinedError):
                 continue
     return type(error)(_why(error))
 

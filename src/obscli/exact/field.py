@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 from flint import Ordering, fmpz_mpoly_ctx
 
 from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.polynomial import MOST_PAIRS, MOST_TERMS, common_factor, require_small, times
 
 
 if TYPE_CHECKING:
@@ -26,8 +27,9 @@ if TYPE_CHECKING:
     from obscli.exact.polynomial import Polynomial
     from obscli.model.expression import Expression
 
-#: A polynomial of more terms than this ends the attempt: the system is too large for exact algebra.
-MOST_TERMS = 200_000
+#: Norms of polynomials with a larger product of degrees and terms are not computed.
+_LARGEST_NORM = 5000
+_LARGEST_DEGREE = 100_000
 
 Kind: TypeAlias = Literal[
     "time", "parameter", "jet", "function", "angle", "exponential", "primitive", "root", "pi"
@@ -85,7 +87,9 @@ class Element:
             return self
         if self.den == other.den:
             return self.field.fraction(self.num + other.num, self.den)
-        return self.field.fraction(self.num * other.den + other.num * self.den, self.den * other.den)
+        common = common_factor(self.den, other.den)
+        mine, others = self.den / common, other.den / common
+        return self.field.fraction(times(self.num, others) + times(other.num, mine), times(self.den, others))
 
     def __neg__(self) -> Element:
         return Element(self.field, -self.num, self.den)
@@ -94,12 +98,12 @@ class Element:
         return self + (-other)
 
     def __mul__(self, other: Element) -> Element:
-        return self.field.fraction(self.num * other.num, self.den * other.den)
+        return self.field.fraction(times(self.num, other.num), times(self.den, other.den))
 
     def __truediv__(self, other: Element) -> Element:
         if not other.num:
             raise UndefinedError
-        return self.field.fraction(self.num * other.den, self.den * other.num)
+        return self.field.fraction(times(self.num, other.den), times(self.den, other.num))
 
     def __pow__(self, exponent: int) -> Element:
         if exponent < 0:
@@ -107,6 +111,8 @@ class Element:
         size = max(len(self.num), len(self.den))
         if size > 1 and exponent * size > 50_000:
             raise UndecidedError(f"a power with exponent {exponent} is too large for exact algebra")
+        degree = max(0, *self.num.degrees(), *self.den.degrees())
+        require_small(exponent * degree, _LARGEST_DEGREE)
         result, square = self.field.one, self
         while exponent:
             if exponent & 1:
@@ -167,10 +173,9 @@ class Field:
             num, den = self._reduce_fraction(num, den)
         if num.is_zero():
             return self.zero
-        if len(num) > MOST_TERMS or len(den) > MOST_TERMS:
-            raise UndecidedError("an expression grew too large for exact algebra")
+        require_small(max(len(num), len(den)), MOST_TERMS)
         if not den.is_one():
-            common = num.gcd(den)
+            common = common_factor(num, den)
             if not common.is_one():
                 num, den = num / common, den / common
             if den.leading_coefficient() < 0:
@@ -183,14 +188,17 @@ class Field:
             raise UndefinedError
         multiplier = self.rationaliser(den)
         if multiplier is not None:
-            num, den = self.reduce(num * multiplier), self.reduce(den * multiplier)
+            num, den = self.reduce(times(num, multiplier)), self.reduce(times(den, multiplier))
         return num, den
 
     def reduce(self, polynomial: Polynomial) -> Polynomial:
         """Return the normal form of a polynomial modulo the relations of the roots."""
         for index, relation in self._relations:
-            if polynomial.degrees()[index] >= relation.degrees()[index]:
+            degree = polynomial.degrees()[index]
+            if degree >= relation.degrees()[index]:
+                require_small(degree * len(polynomial) * len(relation), MOST_PAIRS)
                 polynomial = divmod(polynomial, relation)[1]
+                require_small(len(polynomial), MOST_TERMS)
         return polynomial
 
     def rationaliser(self, polynomial: Polynomial) -> Polynomial | None:
@@ -203,13 +211,13 @@ class Field:
             if polynomial.degrees()[index] <= 0 or relation.degrees()[index] != 2:
                 continue
             conjugate = self.conjugate(polynomial, index, relation)
-            product = self.reduce(polynomial * conjugate)
+            product = self.reduce(times(polynomial, conjugate))
             if product.is_zero():
                 raise UndecidedError(
                     "two roots in the model depend on each other in a way that was not found"
                 )
             polynomial = product
-            multiplier = conjugate if multiplier is None else self.reduce(multiplier * conjugate)
+            multiplier = conjugate if multiplier is None else self.reduce(times(multiplier, conjugate))
         return multiplier
 
     def conjugate(self, polynomial: Polynomial, index: int, relation: Polynomial) -> Polynomial:
@@ -226,7 +234,9 @@ class Field:
         The resultant with g^d - … is the product of the polynomial over all conjugates of g.
         """
         for index, relation in self._relations:
-            if polynomial.degrees()[index] > 0:
+            degree = polynomial.degrees()[index]
+            if degree > 0:
+                require_small(degree * relation.degrees()[index] * len(polynomial), _LARGEST_NORM)
                 polynomial = polynomial.resultant(relation, index)
         return polynomial
 
@@ -281,4 +291,4 @@ def least_common_multiple(a: Polynomial, b: Polynomial) -> Polynomial:
         return a
     if a.is_one():
         return b
-    return a * (b / a.gcd(b))
+    return times(a, b / common_factor(a, b))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.finding import CriticalValue
-from obscli.exact.interpreter import polynomial_coefficients
+from obscli.exact.polynomial import polynomial_coefficients
 from obscli.exact.rerun import rerun
 from obscli.exact.screen import full_rank_on
 from obscli.model.expression import ZERO, Expression, divide, negate, number, symbols

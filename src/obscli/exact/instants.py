@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from obscli.exact.prove import Proof
 
 _MOST_FACTORS = 40
+#: A factor of more terms than this is no condition that a reader could use.
+_MOST_TERMS = 30
 _KINDS = frozenset({"time", "angle", "exponential", "parameter", "pi"})
 
 
@@ -63,6 +65,8 @@ def _factors(proof: Proof) -> list[Polynomial]:
         for factor, _ in field.norm(divisor).factor()[1]:
             used = [k for k, degree in enumerate(factor.degrees()) if degree > 0]
             kinds = {field.generators[k].kind for k in used}
+            if len(factor) > _MOST_TERMS:
+                continue
             if kinds <= _KINDS and any(field.varies(k) for k in used) and _may_vanish(proof, factor):
                 found.setdefault(str(factor), factor)
     return list(found.values())[:_MOST_FACTORS]

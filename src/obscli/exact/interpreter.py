@@ -16,7 +16,9 @@ from typing import TYPE_CHECKING
 from obscli.exact.angles import exponential, hyperbolic, trigonometric
 from obscli.exact.errors import JetOverflowError, UndecidedError
 from obscli.exact.field import Element, Field, Generator
+from obscli.exact.invariants import largest_root, without_square_root
 from obscli.exact.missing import MissingError, RefineError
+from obscli.exact.polynomial import polynomial_coefficients
 from obscli.exact.primitives import primitive
 from obscli.exact.roots import rational_power
 from obscli.model.expression import (
@@ -38,13 +40,16 @@ from obscli.model.expression import (
     power,
     symbols,
 )
+from obscli.model.notation import to_text
 
 
 if TYPE_CHECKING:
-    from flint import fmpz
-
     from obscli.exact.polynomial import Polynomial
     from obscli.model.system import System
+
+#: More roots, or roots, angles, exponentials and primitives together, are not tried.
+MOST_ROOTS = 12
+MOST_ADJOINED = 100
 
 _TRIGONOMETRIC = frozenset({"sin", "cos", "tan"})
 _HYPERBOLIC = frozenset({"sinh", "cosh", "tanh"})
@@ -150,12 +155,21 @@ class Interpreter:
                 generator = missing.generator
                 meaning = self._meanings.get(generator.name, generator.meaning)
                 self._adjoined.append(replace(generator, meaning=meaning))
+                self._require_few_generators()
             except RefineError as refine:
                 self.fineness[refine.atom] = refine.step
                 self._adjoined.clear()
             else:
                 return
             self._rebuild()
+
+    def _require_few_generators(self) -> None:
+        roots = sum(generator.kind == "root" for generator in self._adjoined)
+        if roots > MOST_ROOTS or len(self._adjoined) > MOST_ADJOINED:
+            raise UndecidedError(
+                f"more than {MOST_ROOTS} independent roots, or {MOST_ADJOINED} independent angles, "
+                "exponentials and logarithms, are too many for exact algebra"
+            )
 
     def _derive_generators(self) -> None:
         """Derive every generator once, so that whatever its derivative needs is adjoined as well."""
@@ -166,14 +180,14 @@ class Interpreter:
 
     def _impose(self, relation: Expression) -> None:
         """Make one function algebraic over the others, by a relation ``relation`` = 0."""
-        relation = _without_square_root(relation)
+        relation = without_square_root(relation)
         self._read_batch([node for node in postorder(relation) if isinstance(node, Apply | Power)])
-        numerator = self.read(relation).num
-        if numerator.is_zero():
+        numerator = self._one_factor(relation)
+        if numerator is None:
             return
         name = self._function_to_solve(numerator)
         parts = [self.expression(c) for c in polynomial_coefficients(numerator, self.field.index[name])]
-        self.definitions[name] = _largest_root(parts)
+        self.definitions[name] = largest_root(parts)
         self._rebuild()
         self._read_batch(list(postorder(self.definitions[name])))
         self._name_root(name)
@@ -194,6 +208,19 @@ class Interpreter:
         self._meanings[self.field.generators[roots[0]].name] = divide(add(f, negate(u)), v)
         self._adjoined.clear()
         self._rebuild()
+
+    def _one_factor(self, relation: Expression) -> Polynomial | None:
+        """Return the factor of a relation that contains functions; f g = 0 leaves open which one vanishes."""
+        numerator = self.read(relation).num
+        if numerator.is_zero():
+            return None
+        indices = [k for k, g in enumerate(self.field.generators) if g.kind in {"jet", "function"}]
+        factors = [p for p, _ in numerator.factor()[1] if any(p.degrees()[k] > 0 for k in indices)]
+        if len(factors) > 1:
+            raise UndecidedError(
+                f"the invariant {to_text(relation)} is a product; state the factor that vanishes"
+            )
+        return factors[0] if factors else numerator
 
     def _function_to_solve(self, numerator: Polynomial) -> str:
         """Return the function to solve for: linear before quadratic, without a rule before with one, last."""
@@ -361,33 +388,3 @@ class Interpreter:
 
 def _jet(name: str, order: int) -> str:
     return name + "'" * order
-
-
-def polynomial_coefficients(polynomial: Polynomial, index: int) -> list[Polynomial]:
-    """Return the coefficients of a polynomial in one variable, by rising degree."""
-    degree = polynomial.degrees()[index]
-    parts: list[dict[tuple[int, ...], fmpz]] = [{} for _ in range(degree + 1)]
-    for exponents, coefficient in polynomial.terms():
-        rest = (*exponents[:index], 0, *exponents[index + 1 :])
-        parts[exponents[index]][rest] = coefficient
-    context = polynomial.context()
-    return [context.from_dict(part) for part in parts]
-
-
-def _largest_root(coefficients: list[Expression]) -> Expression:
-    """Solve c_0 + c_1 f (+ c_2 f²) = 0 for f: the root with + before the square root."""
-    if len(coefficients) == 2:
-        return negate(divide(coefficients[0], coefficients[1]))
-    c, b, a = coefficients
-    root = power(add(power(b, 2), multiply(number(-4), a, c)), Fraction(1, 2))
-    return divide(add(negate(b), root), multiply(number(2), a))
-
-
-def _without_square_root(relation: Expression) -> Expression:
-    """Turn √u + rest = 0 into u - rest² = 0, the form in which an invariant ``norm(f) - g`` is algebraic."""
-    terms = relation.terms if isinstance(relation, Sum) else (relation,)
-    roots = [t for t in terms if isinstance(t, Power) and t.exponent == Fraction(1, 2)]
-    if len(roots) != 1:
-        return relation
-    rest = add(*(t for t in terms if t is not roots[0]))
-    return add(roots[0].base, negate(power(rest, 2)))

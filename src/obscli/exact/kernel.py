@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from obscli.exact.errors import UndecidedError
 from obscli.exact.field import Element, Field, least_common_multiple
+from obscli.exact.polynomial import common_factor, times
 from obscli.exact.rows import dot, drift
 
 
@@ -42,10 +43,10 @@ def _column(field: Field, rows: dict[int, PolyRow], free: int) -> PolyRow:
     quotients = {}
     multiple = field.one_polynomial
     for p, row in involved.items():
-        common = row[p].gcd(row[free])
+        common = common_factor(row[p], row[free])
         quotients[p] = (row[free] / common, row[p] / common)
         multiple = least_common_multiple(multiple, row[p] / common)
-    column = {p: field.reduce(-above * (multiple / below)) for p, (above, below) in quotients.items()}
+    column = {p: field.reduce(times(-above, multiple / below)) for p, (above, below) in quotients.items()}
     column[free] = multiple
     return column
 

@@ -7,10 +7,12 @@ rests on it is undecided.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from obscli.exact.ball import BallPoint, OutsideDomainError, precision, random_point
+from obscli.exact.determinant import determinant
+from obscli.exact.echelon import polynomial_row, reduced_echelon
 from obscli.exact.errors import UndecidedError
 from obscli.exact.lower import highest_derivative_of
 from obscli.model.expression import Expression, Number
@@ -18,6 +20,8 @@ from obscli.model.notation import to_text
 
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from obscli.exact.field import Element
     from obscli.exact.interpreter import Interpreter
 
@@ -67,6 +71,43 @@ def first_nonzero(interpreter: Interpreter, elements: Sequence[Element]) -> int 
     raise UndecidedError(_reason(next(iter(suspects.values()))))
 
 
+def require_independent(interpreter: Interpreter, rows: Sequence[Mapping[int, Element]]) -> None:
+    """Prove that rows found independent are: a minor of theirs differs from zero at some point.
+
+    Raises
+    ------
+    UndecidedError : the ball of the minor contains zero at every point and precision tried
+    """
+    field = interpreter.field
+    pivots = reduced_echelon(field, [polynomial_row(field, row) for row in rows], _columns(rows))
+    place = {column: k for k, column in enumerate(pivots)}
+    entries = [
+        {place[j]: interpreter.element_expression(e) for j, e in row.items() if j in place} for row in rows
+    ]
+    for seed, bits in zip(range(_POINTS), _every_precision(), strict=False):
+        if len(place) == len(rows) and _nonsingular(interpreter, entries, bits, seed):
+            return
+    raise UndecidedError("it could not be decided whether the rows of this basis are independent")
+
+
+def _columns(rows: Sequence[Mapping[int, Element]]) -> list[int]:
+    return sorted({j for row in rows for j in row})
+
+
+def _nonsingular(
+    interpreter: Interpreter, entries: Sequence[Mapping[int, Expression]], bits: int, seed: int
+) -> bool:
+    """Whether a square matrix is seen to have a determinant other than zero at one point."""
+    values, length = _point(interpreter, [e for row in entries for e in row.values()], seed)
+    with precision(bits, length):
+        try:
+            point = BallPoint(interpreter.system, values, length, interpreter.definitions)
+            rows = [{j: point.value(e)[0] for j, e in row.items()} for row in entries]
+            return not determinant(rows).contains(0)
+        except OutsideDomainError:
+            return False
+
+
 def _every_precision() -> Iterator[int]:
     """The precisions to try in turn, the highest for the remaining points."""
     yield from _BITS
@@ -83,12 +124,19 @@ def _not_seen(
     interpreter: Interpreter, expressions: Sequence[Expression], bits: int, seed: int
 ) -> list[Expression] | None:
     """Return the expressions not seen to differ from zero at one point; None outside the domain."""
-    system, definitions = interpreter.system, interpreter.definitions
-    length = 1 + highest_derivative_of([*expressions, *definitions.values()])
-    values = random_point(system, interpreter.names - definitions.keys(), length, seed)
+    values, length = _point(interpreter, expressions, seed)
     with precision(bits, length):
         try:
-            point = BallPoint(system, values, length, definitions)
+            point = BallPoint(interpreter.system, values, length, interpreter.definitions)
             return [e for e in expressions if point.value(e)[0].contains(0)]
         except OutsideDomainError:
             return None
+
+
+def _point(
+    interpreter: Interpreter, expressions: Sequence[Expression], seed: int
+) -> tuple[dict[str, Fraction], int]:
+    """Return a random point, and how many terms of the series at it the expressions need."""
+    definitions = interpreter.definitions
+    length = 1 + highest_derivative_of([*expressions, *definitions.values()])
+    return random_point(interpreter.system, interpreter.names - definitions.keys(), length, seed), length

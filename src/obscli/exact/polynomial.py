@@ -1,10 +1,60 @@
-"""The polynomials underneath the field: multivariate over Z, from FLINT."""
+"""The polynomials underneath the field: multivariate over Z, from FLINT.
+
+FLINT cannot be interrupted, and ends the process where memory runs out: sizes are looked at before.
+"""
 
 from __future__ import annotations
 
 from typing import TypeAlias
 
-from flint import fmpz_mpoly
+from flint import fmpz, fmpz_mpoly
+
+from obscli.exact.errors import UndecidedError
 
 
 Polynomial: TypeAlias = fmpz_mpoly
+
+#: A polynomial of more terms than this ends the attempt: the system is too large for exact algebra.
+MOST_TERMS = 20_000
+#: So does a product with more pairs of terms (the bundled models stay under 10 000).
+MOST_PAIRS = 2_000_000
+
+
+def times(a: Polynomial, b: Polynomial) -> Polynomial:
+    """Return the product of two polynomials.
+
+    Raises
+    ------
+    UndecidedError : it would be too large
+    """
+    require_small(len(a) * len(b), MOST_PAIRS)
+    product: Polynomial = a * b
+    return product
+
+
+def common_factor(a: Polynomial, b: Polynomial) -> Polynomial:
+    """Return the greatest common divisor of two polynomials.
+
+    Raises
+    ------
+    UndecidedError : they are too large
+    """
+    require_small(max(len(a), len(b)), MOST_TERMS)
+    return a.gcd(b)
+
+
+def require_small(size: int, most: int) -> None:
+    """Raise ``UndecidedError`` where a size is over its limit."""
+    if size > most:
+        raise UndecidedError("the coefficients grew too large for exact algebra")
+
+
+def polynomial_coefficients(polynomial: Polynomial, index: int) -> list[Polynomial]:
+    """Return the coefficients of a polynomial in one variable, by rising degree."""
+    degree = polynomial.degrees()[index]
+    parts: list[dict[tuple[int, ...], fmpz]] = [{} for _ in range(degree + 1)]
+    for exponents, coefficient in polynomial.terms():
+        rest = (*exponents[:index], 0, *exponents[index + 1 :])
+        parts[exponents[index]][rest] = coefficient
+    context = polynomial.context()
+    return [context.from_dict(part) for part in parts]

@@ -2,7 +2,7 @@
 
 log(u): u is written over its irreducible factors; if a product of powers of earlier arguments equals it,
 log u is that combination (log(ab) = log a + log b), otherwise it is adjoined. asinh, acosh and atanh are
-logarithms; acos u = π/2 - asin u; atan and asin are adjoined, atan(1/u) and atan(-u) referred to atan(u).
+logarithms; acos u = π/2 - asin u; atan and asin are adjoined, atan(-u) referred to atan(u).
 """
 
 from __future__ import annotations

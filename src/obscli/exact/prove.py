@@ -64,13 +64,14 @@ class Proof:
         return {names[j]: restored[j] for j in sorted(restored)}
 
 
-def prove(system: System, columns: Sequence[int], extra: Iterable[Expression] = ()) -> Proof:
+def prove(system: System, columns: Sequence[int], extra: Iterable[Expression] = (), jets: int = 4) -> Proof:
     """Compute and prove the generic rank of the observability matrix of a system.
 
     Parameters
     ----------
     columns : order of the states in which pivots are sought
     extra : further expressions to be read in the same field
+    jets : how many derivatives of each unspecified function to begin with
 
     Raises
     ------
@@ -78,7 +79,7 @@ def prove(system: System, columns: Sequence[int], extra: Iterable[Expression] = 
     UndefinedError : a coefficient does not exist
     """
     extra = tuple(extra)
-    exact = read_system(system, extra)
+    exact = read_system(system, extra, jets)
     while True:
         try:
             return prove_read(exact, columns)

@@ -16,11 +16,13 @@ class Reader(Protocol):
     """The interpreter, as ``angles``, ``roots`` and ``primitives`` see it.
 
     ``fineness``: the step in which each angle, exponent or root is taken, by name of its atom.
+    ``kept_apart``: atoms with multiples too far apart for one step, related though the field does not know.
     ``logarithms``: name and argument of each logarithm in the field so far.
     """
 
     field: Field
     fineness: dict[str, Fraction]
+    kept_apart: set[str]
     logarithms: list[tuple[str, Element]]
 
     def read(self, node: Expression) -> Element:

@@ -75,7 +75,7 @@ def _really(proof: Proof, exact: ExactSystem) -> bool:
 
 
 def _lost(proof: Proof, lower: Proof, images: Sequence[Covector]) -> tuple[Covector, ...]:
-    """Return the generic combinations whose image is not observable on the specialised system."""
+    """Return the generic combinations whose image on the specialised system vanishes or is not observable."""
     exact = lower.exact
     one = exact.field.one_polynomial
     index = {name: j for j, name in enumerate(exact.system.state_names)}
@@ -85,5 +85,6 @@ def _lost(proof: Proof, lower: Proof, images: Sequence[Covector]) -> tuple[Covec
     return tuple(
         combination
         for combination, row in zip(proof.echelon, rows, strict=True)
-        if first_nonzero(exact.interpreter, [dot(exact.field, row, column) for column in columns]) is not None
+        if not any(row.values())
+        or first_nonzero(exact.interpreter, [dot(exact.field, row, column) for column in columns]) is not None
     )

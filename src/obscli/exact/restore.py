@@ -12,12 +12,12 @@ exponentials and everything else are printed by their meaning.
 from __future__ import annotations
 
 from functools import reduce as fold
-from math import gcd
+from math import gcd, prod
 from typing import TYPE_CHECKING
 
 from flint import Ordering, fmpz_mpoly_ctx
 
-from obscli.exact.interpreter import polynomial_coefficients
+from obscli.exact.polynomial import MOST_PAIRS, polynomial_coefficients, require_small
 from obscli.model.expression import Apply, Expression, add, divide, multiply, number, power
 
 
@@ -101,6 +101,7 @@ class Restorer:
         tables = {k: self._table(k, d) for k, d in degrees.items() if d > 0}
         if not tables:
             return self._ctx.from_dict({self._exponents(e): c for e, c in polynomial.terms()})
+        require_small(len(polynomial) * prod(d + 1 for d in degrees.values()), MOST_PAIRS)
         total = self._ctx.constant(0)
         groups: dict[tuple[int, ...], dict[tuple[int, ...], fmpz]] = {}
         for exponents, coefficient in polynomial.terms():

@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from obscli.exact.reader import Reader
 
 
+#: Roots of a higher order (a least common denominator of exponents) are not tried.
+HIGHEST_ORDER = 100
+
+
 def rational_power(it: Reader, base: Element, exponent: Fraction) -> Element:
     """Return base^exponent, real branch; exponent not an integer.
 
@@ -220,6 +224,8 @@ def _class(polynomial: Polynomial) -> frozenset[str]:
 
 
 def _root(it: Reader, radicand: Polynomial, q: int) -> Element:
+    if q > HIGHEST_ORDER:
+        raise UndecidedError(f"a root of order {q} is too high for exact algebra")
     meaning = Power(it.expression(radicand), Fraction(1, q))
     name = f"root{q}({stable_name(it, radicand)})"
     if name not in it.field.index:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from flint import arb, fmpq, fmpz, fmpz_poly
 
-from obscli.exact.interpreter import polynomial_coefficients
+from obscli.exact.polynomial import polynomial_coefficients
 from obscli.exact.restore import Restorer
 from obscli.exact.roots import evident_sign
 from obscli.model.expression import (
@@ -216,7 +216,7 @@ def _solve_alone(it: Interpreter, polynomial: Polynomial, k: int) -> list[Soluti
         return []
     if generator.kind == "exponential":
         roots = [r for r in _constant_roots(polynomial_coefficients(polynomial, k)) if _positive(r)]
-        values: list[Expression] = [Apply("log", root) for root in roots]
+        values: list[Expression] = [number(0) if root == number(1) else Apply("log", root) for root in roots]
     elif generator.kind == "angle":
         return _turns(it, generator.argument, _angles(it, polynomial, k))
     else:
@@ -327,15 +327,26 @@ def takes_both_signs(it: Interpreter, polynomial: Polynomial) -> bool:
     for attempt in range(_SAMPLES):
         spread = 10 ** (attempt % 4)
         values = [
-            abs(v) or 1 if positive[k] else v
+            Fraction(abs(v) or 1, source.randint(1, 9 * spread)) if positive[k] else Fraction(v)
             for k, v in enumerate(source.randint(-9 * spread, 9 * spread) for _ in it.field.generators)
         ]
-        value = polynomial(*values)
+        value = _value(polynomial, values)
         if value:
             signs.add(value > 0)
         if len(signs) == 2:
             return True
     return False
+
+
+def _value(polynomial: Polynomial, values: list[Fraction]) -> Fraction:
+    total = Fraction(0)
+    for exponents, coefficient in polynomial.terms():
+        term = Fraction(int(coefficient))
+        for k, e in enumerate(exponents):
+            if e:
+                term *= values[k] ** int(e)
+        total += term
+    return total
 
 
 def proved_definite(it: Interpreter, polynomial: Polynomial) -> bool:
