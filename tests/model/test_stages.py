@@ -125,7 +125,7 @@ def test_fix_of_functions():
         "H: [['deriv(h)']]",
     )
     model = read(
-        *lines, "stages: {one: {fix: {f_E: t^2, h: 3}}, two: {fix: {f: 0}}, three: {fix: {f: [t, 1]}}}"
+        *lines, "stages: {one: {fix: {f_E: t^2, h: 0}}, two: {fix: {f: 0}}, three: {fix: {f: [t, 1]}}}"
     )
     base, one, two, three = model.systems
     assert A(base) == {(0, 0): "deriv(f_E) + f_N"}

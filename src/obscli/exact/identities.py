@@ -14,7 +14,6 @@ from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.finding import CriticalValue
 from obscli.exact.polynomial import polynomial_coefficients
 from obscli.exact.rerun import rerun
-from obscli.exact.screen import full_rank_on
 from obscli.model.expression import ZERO, Expression, divide, negate, number, symbols
 from obscli.model.notation import to_text
 
@@ -94,7 +93,7 @@ def _factor_trials(
         jets = [
             k for k, degree in enumerate(factor.degrees()) if degree > 0 and field.generators[k].kind == "jet"
         ]
-        if not jets or len(factor) < 2 or full_rank_on_jets(proof, factor):
+        if not jets or len(factor) < 2:
             continue
         top = max(jets, key=lambda k: field.generators[k].order)
         generator = field.generators[top]
@@ -111,12 +110,6 @@ def _factor_trials(
             yield equation, {generator.function: value}, {}
         else:
             yield equation, {}, {generator.function: value}
-
-
-def full_rank_on_jets(proof: Proof, factor: Polynomial) -> bool:
-    """Jets cannot be chosen apart from their function, so a factor in them is never screened out."""
-    kinds = {proof.exact.field.generators[k].kind for k, d in enumerate(factor.degrees()) if d > 0}
-    return "jet" not in kinds and full_rank_on(proof.exact, factor, proof.saturation)
 
 
 def _factors(proof: Proof) -> dict[str, Polynomial]:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from obscli.exact.angles import exponential, hyperbolic, trigonometric
 from obscli.exact.errors import JetOverflowError, UndecidedError
 from obscli.exact.field import Element, Field, Generator
-from obscli.exact.invariants import largest_root, without_square_root
+from obscli.exact.invariants import largest_root, require_one_branch, without_square_root
 from obscli.exact.missing import MissingError, RefineError
 from obscli.exact.polynomial import polynomial_coefficients
 from obscli.exact.primitives import primitive
@@ -88,6 +88,7 @@ class Interpreter:
             if symbols(invariant.expression) & self.names:
                 self._impose(invariant.expression)
         self._read_all(self._roots)
+        require_one_branch(self, self._roots, [name for name in self._meanings if name in self.field.index])
 
     # -- building
 
@@ -232,7 +233,8 @@ class Interpreter:
         ]
         if not candidates:
             raise UndecidedError(
-                "an invariant can be used only if it is linear or quadratic in some function"
+                "a relation (an invariant, or the rule of a function that is fixed) can be used "
+                "only if it is linear or quadratic in some function"
             )
         return min(candidates, key=lambda candidate: candidate[:2])[2]
 

@@ -2,9 +2,54 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
-from obscli.model.expression import Expression, Power, Sum, add, divide, multiply, negate, number, power
+from obscli.exact.errors import UndecidedError
+from obscli.model.expression import (
+    Apply,
+    Expression,
+    Power,
+    Sum,
+    add,
+    children,
+    divide,
+    multiply,
+    negate,
+    number,
+    postorder,
+    power,
+)
+from obscli.model.notation import to_text
+
+
+if TYPE_CHECKING:
+    from obscli.exact.reader import Reader
+
+
+def require_one_branch(it: Reader, expressions: Sequence[Expression], roots: Sequence[str]) -> None:
+    """Refuse a model that contains by itself the root by which an invariant gives a function.
+
+    f² = 2 leaves open whether f is √2 or -√2, which is of no matter unless √2 stands in the model as well.
+
+    Raises
+    ------
+    UndecidedError : an expression brings in one of the ``roots`` otherwise than through the function
+    """
+    indices = [it.field.index[name] for name in roots]
+    for node in postorder(*expressions) if indices else ():
+        brings = isinstance(node, Apply | Power) and _has(it, node, indices)
+        if brings and not any(_has(it, part, indices) for part in children(node)):
+            raise UndecidedError(
+                f"an invariant leaves the sign of {to_text(node)} open; state it for one sign, "
+                "for example f - sqrt(2) instead of f**2 - 2"
+            )
+
+
+def _has(it: Reader, node: Expression, indices: Sequence[int]) -> bool:
+    element = it.read(node)
+    return any(max(element.num.degrees()[k], element.den.degrees()[k]) > 0 for k in indices)
 
 
 def largest_root(coefficients: list[Expression]) -> Expression:

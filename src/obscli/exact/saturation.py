@@ -45,16 +45,12 @@ def saturate(
     *,
     frozen: bool = False,
     seed: int = _SEED,
-    chosen: Mapping[int, int] | None = None,
 ) -> Saturation:
-    """Return the independent rows of L, with ``frozen`` of L_{k+1} = L_k A (A, H at a fixed t as constants).
-
-    ``chosen`` fixes generators by index: the rank of L at an instant instead of at a generic time.
-    """
+    """Return the independent rows of L; ``frozen``: of L_{k+1} = L_k A, A and H taken as constants."""
     length = 1 if frozen or not exact.varies else 6
     while True:
         try:
-            return _saturate(exact, length, frozen=frozen, seed=seed, chosen=chosen)
+            return _saturate(exact, length, frozen=frozen, seed=seed)
         except _TooShortError:
             length *= 2
         except BadPointError:
@@ -140,10 +136,8 @@ class _TooShortError(Exception):
     """The series ran out of terms before the observability matrix saturated."""
 
 
-def _saturate(
-    exact: ExactSystem, length: int, *, frozen: bool, seed: int, chosen: Mapping[int, int] | None
-) -> Saturation:
-    point = SeriesPoint(exact.field, length, seed, chosen)
+def _saturate(exact: ExactSystem, length: int, *, frozen: bool, seed: int) -> Saturation:
+    point = SeriesPoint(exact.field, length, seed)
     A = [_series_row(point, row) for row in exact.A]
     constant = frozen or not exact.varies
     echelon: dict[int, dict[int, int]] = {}

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from obscli.model.constant import Constants, constants, not_above
 from obscli.model.draft import Draft, Entries
 from obscli.model.evaluate import evaluate
-from obscli.model.expression import Symbol, symbols
+from obscli.model.expression import Number, Symbol, add, negate, symbols
 from obscli.model.fixing import fixed_values
 from obscli.model.form import Form, is_zero_form
 from obscli.model.meter import Meter
@@ -69,7 +69,8 @@ def environment(
         for name in one.declared.components
         if name not in fixed
     )
-    return Environment(scope, _free(known, fixed), functions, tuple(_invariants(draft, scope, problems)))
+    relations = (*_invariants(draft, scope, problems), *_fixed_rules(draft, fixed, scope, problems))
+    return Environment(scope, _free(known, fixed), functions, relations)
 
 
 def _moving(draft: Draft, fixed: Mapping[str, Tensor]) -> dict[str, Tensor]:
@@ -141,3 +142,25 @@ def _invariants(draft: Draft, scope: Scope, problems: Problems) -> list[Invarian
         entries: tuple[Form, ...] = value.entries if value else ()
         found += [Invariant(e.constant, formula.place) for e in entries if not is_zero_form(e)]
     return found
+
+
+def _fixed_rules(
+    draft: Draft, fixed: Mapping[str, Tensor], scope: Scope, problems: Problems
+) -> Iterator[Invariant]:
+    """Yield value' - rule = 0 for functions with a rule that are fixed: their value has to satisfy it."""
+    for one in draft.functions:
+        if one.derivative is None or not any(name in fixed for name in one.declared.components):
+            continue
+        rule = evaluate(one.derivative, scope, problems)
+        if rule is None or rule.shape != one.declared.shape:
+            continue
+        for name, form in zip(one.declared.cells, rule.entries, strict=True):
+            if name is None or name not in fixed:
+                continue
+            value = fixed[name].entries[0].constant
+            rest = add(scope.derive(value), negate(form.constant))
+            if isinstance(rest, Number) and rest.value:
+                message = f"the value fixed for '{name}' does not satisfy the derivative given here"
+                problems.add(one.derivative.problem(message))
+            elif not isinstance(rest, Number):
+                yield Invariant(rest, one.derivative.place)
