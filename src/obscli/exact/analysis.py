@@ -171,7 +171,8 @@ def _varying(proof: Proof) -> tuple[str, ...]:
         if not occurs or not exact.field.varies(k):
             continue
         if generator.kind == "angle" and generator.argument is not None:
-            found.append(f"sin, cos of {to_text(generator.argument)}")
+            argument = proof.restorer.element(exact.interpreter.read(generator.argument))
+            found.append(f"sin, cos of {to_text(argument)}")
         else:
             found.append(to_text(generator.meaning))
     return tuple(found)

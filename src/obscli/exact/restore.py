@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from flint import fmpz
 
     from obscli.exact.field import Element, Generator
-    from obscli.exact.interpreter import Interpreter
     from obscli.exact.polynomial import Polynomial
+    from obscli.exact.reader import Reader
 
 
 class Restorer:
     """Writes rows over the field of an interpreter as expressions, trigonometric form restored."""
 
-    def __init__(self, interpreter: Interpreter) -> None:
+    def __init__(self, interpreter: Reader) -> None:
         generators = interpreter.field.generators
         self._angles = [k for k, g in enumerate(generators) if g.kind == "angle"]
         plain = [k for k, g in enumerate(generators) if g.kind != "angle"]

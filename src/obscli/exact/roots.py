@@ -19,6 +19,7 @@ from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.field import Element, Generator
 from obscli.exact.missing import MissingError, RefineError
 from obscli.exact.naming import stable_name
+from obscli.exact.restore import Restorer
 from obscli.model.expression import Power
 from obscli.model.notation import to_text
 
@@ -136,11 +137,19 @@ def irreducible_factors(base: Element) -> list[tuple[Polynomial, int]]:
 def _sign(it: Reader, polynomial: Polynomial) -> int:
     sign = sign_of(it, polynomial)
     if sign is None:
+        text = to_text(Restorer(it).polynomial(polynomial))
         raise UndecidedError(
-            f"the sign of {to_text(it.expression(polynomial))} is not known, so its root is not determined; "
-            "give `assume: positive` where it holds"
+            f"the sign of {text} is not known, so its root is not determined; {_remedy(it, polynomial)}"
         )
     return sign
+
+
+def _remedy(it: Reader, polynomial: Polynomial) -> str:
+    """Say what a user can do about a sign that is not known."""
+    used = [it.field.generators[k].kind for k, degree in enumerate(polynomial.degrees()) if degree > 0]
+    if set(used) <= {"parameter"}:
+        return "give `assume: positive` where it holds"
+    return "write the entry without this root, with the sign that it has (`assume` is for parameters only)"
 
 
 def sign_of(it: Reader, polynomial: Polynomial) -> int | None:
