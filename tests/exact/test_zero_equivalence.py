@@ -77,6 +77,16 @@ EXACT_ANGLES = (
     "cos(5*pi/4) + sqrt(2)/2",
     "cos(100*pi/3) + 1/2",
     "cos(-pi/4) - sin(pi/4)",
+    "cos(pi/5) - (1 + sqrt(5))/4",
+    "cos(2*pi/5) - (sqrt(5) - 1)/4",
+    "sin(pi/5)^2 - (5 - sqrt(5))/8",
+    "sin(3*pi/10) - cos(pi/5)",
+    "16*sin(pi/5)*sin(2*pi/5)*sin(3*pi/5)*sin(4*pi/5) - 5",
+    "cos(9*pi/5)^2 + sin(9*pi/5)^2 - 1",
+    "sin(pi/8)^2 - (2 - sqrt(2))/4",
+    "cos(3*pi/8) - sin(pi/8)",
+    "tan(pi/8) - sqrt(2) + 1",
+    "sin(11*pi/8) + cos(pi/8)",
 )
 EXPONENTIAL = (
     "exp(w*t)*exp(-w*t) - 1",

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 #: A multiple of a base angle beyond this is taken as an angle of its own (kept apart, hence only generic).
 LARGEST_MULTIPLE = 64
 
+#: Denominators of multiples of π whose sines and cosines are built from square roots.
+_PARTS = (2, 4, 6, 12, 10, 8)
+
 CosSin: TypeAlias = tuple[Element, Element]
 
 
@@ -208,27 +211,31 @@ def _of_inverse(it: Reader, generator: Generator) -> CosSin:
 
 
 def _rational_turn(it: Reader, turn: Fraction) -> CosSin | None:
-    """(cos, sin) of a rational multiple of π, in square roots where its denominator divides 12."""
-    if 12 % turn.denominator:
-        return None
-    field = it.field
-    zero, half, one = field.zero, field.rational(Fraction(1, 2)), field.one
-    sixths = {0: (one, zero), 90: (zero, one)}
-    degrees = int(turn * 180) % 360
-    quarter, rest = divmod(degrees, 90)
-    if rest not in sixths:
-        root3 = it.power(field.rational(3), Fraction(1, 2)) if rest != 45 else one
-        root2 = it.power(field.rational(2), Fraction(1, 2)) if rest in {15, 45, 75} else one
-        quarter_root2 = root2 * field.rational(Fraction(1, 4))
-        small, large = quarter_root2 * (root3 - one), quarter_root2 * (root3 + one)
-        sixths |= {
-            30: (root3 * half, half),
-            60: (half, root3 * half),
-            45: (root2 * half, root2 * half),
-            15: (large, small),
-            75: (small, large),
-        }
-    cosine, sine = sixths[rest]
-    for _ in range(quarter):
-        cosine, sine = -sine, cosine
-    return cosine, sine
+    """(cos, sin) of a rational multiple of π, in square roots where its denominator divides 8, 10 or 12."""
+    for parts in _PARTS:
+        if parts % turn.denominator == 0:
+            return _multiple(it, _part_of_turn(it, parts), int(turn * parts) % (2 * parts))
+    return None
+
+
+def _part_of_turn(it: Reader, parts: int) -> CosSin:
+    """(cos, sin) of π/parts."""
+
+    def root(value: Element | int) -> Element:
+        element = it.field.rational(value) if isinstance(value, int) else value
+        return it.power(element, Fraction(1, 2))
+
+    one, half, quarter = (it.field.rational(Fraction(1, k)) for k in (1, 2, 4))
+    match parts:
+        case 2:
+            return it.field.zero, one
+        case 4:
+            return root(2) * half, root(2) * half
+        case 6:
+            return root(3) * half, half
+        case 12:
+            return (root(6) + root(2)) * quarter, (root(6) - root(2)) * quarter
+        case 10:
+            return root(it.field.rational(10) + root(20)) * quarter, (root(5) - one) * quarter
+    cosine = root(it.field.rational(2) + root(2)) * half
+    return cosine, root(2) * quarter / cosine
