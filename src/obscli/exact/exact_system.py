@@ -64,12 +64,14 @@ def read_system(system: System, extra: Iterable[Expression] = (), jets: int = 4)
     UndecidedError : zero cannot be decided for some coefficient; the text names its place
     UndefinedError : a coefficient does not exist (zero denominator); the text names its place
     """
+    if jets > MOST_JETS:
+        raise UndecidedError(f"more than {MOST_JETS} derivatives of a function would be needed")
     extra = tuple(extra)
     roots = [*system.A.entries.values(), *system.H.entries.values(), *extra]
     try:
         interpreter = Interpreter(system, roots, jets)
     except JetOverflowError:
-        return read_system(system, extra, _more(jets))
+        return read_system(system, extra, 2 * jets)
     except (UndecidedError, UndefinedError) as error:
         raise _located(system, error) from error
     A = _rows(system.A, interpreter)
@@ -79,13 +81,7 @@ def read_system(system: System, extra: Iterable[Expression] = (), jets: int = 4)
 
 def more_jets(exact: ExactSystem, extra: Iterable[Expression] = ()) -> ExactSystem:
     """Read the system again with twice as many derivatives of its functions."""
-    return read_system(exact.system, extra, _more(exact.interpreter.jets))
-
-
-def _more(jets: int) -> int:
-    if 2 * jets > MOST_JETS:
-        raise UndecidedError(f"more than {MOST_JETS} derivatives of a function would be needed")
-    return 2 * jets
+    return read_system(exact.system, extra, 2 * exact.interpreter.jets)
 
 
 def _rows(matrix: Matrix, interpreter: Interpreter) -> tuple[Row, ...]:
