@@ -119,10 +119,8 @@ def _read(system: System, certificate: Certificate, combinations: Sequence[Covec
 
 
 def _row(exact: ExactSystem, covector: Covector) -> dict[int, Element]:
-    index = {name: j for j, name in enumerate(exact.system.state_names)}
-    _require(set(covector) <= set(index), "it names a state that the system does not have")
-    row = {index[name]: exact.interpreter.read(entry) for name, entry in covector.items()}
-    return {j: element for j, element in row.items() if element}
+    _require(set(covector) <= set(exact.system.state_names), "it names a state that the system does not have")
+    return exact.row(covector)
 
 
 # -- upper bound and order

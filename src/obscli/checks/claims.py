@@ -21,7 +21,7 @@ from obscli.exact.finding import Analysis, Undecided
 from obscli.exact.nonzero import first_nonzero, require_independent
 from obscli.exact.rows import dot
 from obscli.model.expression import Expression
-from obscli.model.notation import to_text
+from obscli.model.notation import covector_text, to_text
 from obscli.model.specialise import Specialisation, at_nominal
 from obscli.model.system import Claim, Covector, Quantity, System
 
@@ -88,14 +88,12 @@ class _Checker:
             *(c.coefficients for c in analysis.combinations),
         ]
         self.exact: ExactSystem = read_system(analysis.system, [e for c in covectors for e in c.values()])
-        self.kernel = [self.row(direction) for direction in analysis.unobservable]
-        self.basis = [self.row(c.coefficients) for c in analysis.combinations]
+        self.kernel = [self.exact.row(direction) for direction in analysis.unobservable]
+        self.basis = [self.exact.row(c.coefficients) for c in analysis.combinations]
 
-    def row(self, covector: Covector) -> dict[int, Element]:
-        """Return a linear form as field elements by column."""
-        index = {name: j for j, name in enumerate(self.analysis.system.state_names)}
-        row = {index[name]: self.exact.interpreter.read(entry) for name, entry in covector.items()}
-        return {j: element for j, element in row.items() if element}
+    def row(self, quantity: Quantity) -> dict[int, Element]:
+        """Return a claimed linear form, specialised, as field elements by column."""
+        return self.exact.row(self.image[id(quantity)])
 
     def results(self) -> Iterator[CheckResult]:
         """Yield the verdict on each part of the claim."""
@@ -137,7 +135,7 @@ class _Checker:
 
     def _unseen(self, quantity: Quantity) -> int | None:
         """Return the first unobservable direction that a combination does not annihilate."""
-        row: Row = self.row(self.image[id(quantity)])
+        row: Row = self.row(quantity)
         products = [dot(self.exact.field, row, column) for column in self.kernel]
         return first_nonzero(self.exact.interpreter, products)
 
@@ -166,14 +164,14 @@ class _Checker:
                 independent = rows
         missing = self.analysis.rank - len(independent)
         if not problems and not missing:
-            require_independent(self.exact.interpreter, [self.row(self.image[id(q)]) for q in basis])
+            require_independent(self.exact.interpreter, [self.row(q) for q in basis])
         if missing:
             forgotten = self._forgotten(independent)
             problems.append(f"{missing} forgotten, for example {forgotten}")
         return problems
 
     def _polynomial_row(self, quantity: Quantity) -> PolyRow:
-        return polynomial_row(self.exact.field, self.row(self.image[id(quantity)]))
+        return polynomial_row(self.exact.field, self.row(quantity))
 
     def _forgotten(self, independent: list[PolyRow]) -> str:
         """Return a combination of the proved basis that the claimed rows do not span."""
@@ -184,7 +182,7 @@ class _Checker:
         return "a combination of the proved basis"
 
     def _direction(self, quantity: Quantity) -> str:
-        column = self.row(self.image[id(quantity)])
+        column = self.row(quantity)
         if not column:
             return "it is zero"
         products = [dot(self.exact.field, row, column) for row in self.basis]
@@ -208,6 +206,4 @@ def _text(quantity: Quantity) -> str:
 
 
 def _covector(covector: Covector) -> str:
-    from obscli.model.notation import covector_text  # noqa: PLC0415
-
     return covector_text(covector, tuple(covector))

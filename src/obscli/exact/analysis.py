@@ -95,12 +95,11 @@ def _describe(proof: Proof, options: Options, progress: Progress) -> Analysis:
         rank=proof.rank,
         order=proof.order,
         combinations=_combinations(proof, rows),
-        unobservable=proof.directions(),
+        unobservable=tuple(proof.directions.values()),
         states=state_verdicts(names, components),
         groups=tuple(tuple(names[j] for j in sorted(c)) for c in sorted(components, key=min) if len(c) > 1),
         quantities=tuple(
-            quantity_verdict(q, exact.interpreter, names, proof.kernel.columns, components)
-            for q in system.quantities
+            quantity_verdict(q, exact, proof.kernel.columns, components) for q in system.quantities
         ),
         certificate=certificate(proof) if options.certificate else None,
         at_values=rank_at_values(proof, critical),
@@ -152,8 +151,7 @@ def _combinations(proof: Proof, rows: list[PolyRow]) -> tuple[Combination, ...]:
 def _is_constant(proof: Proof, covector: Covector) -> bool:
     """Whether ξ' + ξA = 0, so that the combination keeps its value along every solution."""
     exact = proof.exact
-    index = {name: j for j, name in enumerate(exact.system.state_names)}
-    row = {index[name]: exact.interpreter.read(entry) for name, entry in covector.items()}
+    row = exact.row(covector)
     total: dict[int, Element] = {j: exact.field.derive(element) for j, element in row.items()}
     for i, element in row.items():
         for j, entry in exact.A[i].items():
@@ -217,9 +215,8 @@ def contained(analysis: Analysis, covectors: list[Covector]) -> list[bool]:
     """
     entries = [e for c in (*covectors, *analysis.unobservable) for e in c.values()]
     exact = read_system(analysis.system, entries)
-    read = exact.interpreter.read
-    index = {name: j for j, name in enumerate(analysis.system.state_names)}
-    rows = [{index[s]: read(e) for s, e in c.items() if s in index} for c in covectors]
-    columns = [{index[s]: read(e) for s, e in d.items()} for d in analysis.unobservable]
+    names = frozenset(analysis.system.state_names)
+    rows = [exact.row({state: e for state, e in c.items() if state in names}) for c in covectors]
+    columns = [exact.row(direction) for direction in analysis.unobservable]
     products = [[dot(exact.field, row, column) for column in columns] for row in rows]
     return [first_nonzero(exact.interpreter, product) is None for product in products]

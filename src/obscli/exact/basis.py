@@ -6,9 +6,8 @@ import random
 from typing import TYPE_CHECKING
 
 from obscli.exact.echelon import polynomial_row, reduced_echelon
-from obscli.exact.field import Element
 from obscli.exact.nonzero import first_nonzero, require_independent
-from obscli.exact.rows import dot
+from obscli.exact.rows import dot, field_row
 
 
 if TYPE_CHECKING:
@@ -45,14 +44,11 @@ def preferred_basis(
     preferred: Sequence[Quantity],
 ) -> tuple[list[PolyRow], list[str]]:
     """Return the user's rows that are observable, completed to a basis, and remarks on those left out."""
-    index = {state.name: j for j, state in enumerate(exact.system.states)}
-    one = exact.field.one_polynomial
-    columns = [{i: Element(exact.field, p, one) for i, p in column.items()} for column in kernel.values()]
+    columns = [field_row(exact.field, column) for column in kernel.values()]
     chosen: list[PolyRow] = []
     notes: list[str] = []
     for quantity in preferred:
-        elements = {index[s]: exact.interpreter.read(e) for s, e in quantity.coefficients.items()}
-        elements = {j: e for j, e in elements.items() if e}
+        elements = exact.row(quantity.coefficients)
         products = [dot(exact.field, elements, column) for column in columns]
         if not elements or first_nonzero(exact.interpreter, products) is not None:
             notes.append(f"{quantity.text or quantity.name} is not observable and was left out of the basis")
@@ -67,9 +63,7 @@ def preferred_basis(
 
 def _proved(exact: ExactSystem, rows: list[PolyRow]) -> list[PolyRow]:
     """Return the rows, proved independent."""
-    one = exact.field.one_polynomial
-    elements = [{j: Element(exact.field, p, one) for j, p in row.items()} for row in rows]
-    require_independent(exact.interpreter, elements)
+    require_independent(exact.interpreter, [field_row(exact.field, row) for row in rows])
     return rows
 
 

@@ -33,13 +33,11 @@ if TYPE_CHECKING:
 class Flag:
     """The reduced echelon form of the row space of L and how it came about.
 
-    ``rows``: pivot column → row, each zero in the other pivot columns. ``steps``: the reduced rows in
-    the order in which they entered, with (order, output index). ``before_last``: the echelon form of the
-    rows below the saturation order. ``divisors``: every polynomial divided by.
+    ``rows``: pivot column → row, each zero in the other pivot columns. ``before_last``: the echelon form of
+    the rows below the saturation order. ``divisors``: every polynomial divided by.
     """
 
     rows: dict[int, PolyRow]
-    steps: tuple[tuple[int, int], ...]
     before_last: dict[int, PolyRow]
     divisors: tuple[Polynomial, ...]
 
@@ -76,7 +74,7 @@ class _Elimination:
             row = echelon.strip(echelon.reduce(row))
             reduced[order, output] = row
             echelon.insert(row)
-        return Flag(echelon.rows, saturation.rows, before_last, tuple(echelon.divisors.values()))
+        return Flag(echelon.rows, before_last, tuple(echelon.divisors.values()))
 
     def _start(self, output: int) -> PolyRow:
         row = self.exact.H[output]

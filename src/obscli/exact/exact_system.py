@@ -15,7 +15,7 @@ from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.field import Element, Field
 from obscli.exact.interpreter import Interpreter
 from obscli.model.expression import Expression
-from obscli.model.system import Matrix, System
+from obscli.model.system import Covector, Matrix, System
 
 
 #: A sparse row of field elements by column.
@@ -43,6 +43,15 @@ class ExactSystem:
     def n(self) -> int:
         """The number of states."""
         return self.system.n
+
+    @cached_property
+    def _place(self) -> dict[str, int]:
+        return {name: j for j, name in enumerate(self.system.state_names)}
+
+    def row(self, covector: Covector) -> dict[int, Element]:
+        """Return a linear form in the states as field elements by column, without zeros."""
+        elements = {self._place[name]: self.interpreter.read(entry) for name, entry in covector.items()}
+        return {j: element for j, element in elements.items() if element}
 
     @cached_property
     def varies(self) -> bool:

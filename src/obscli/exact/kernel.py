@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from obscli.exact.errors import UndecidedError
 from obscli.exact.field import Element, Field, least_common_multiple
 from obscli.exact.polynomial import common_factor, times
-from obscli.exact.rows import dot, drift
+from obscli.exact.rows import dot, drift, field_row
 
 
 if TYPE_CHECKING:
@@ -59,8 +59,7 @@ def invariant_kernel(exact: ExactSystem, columns: dict[int, PolyRow]) -> Kernel:
     UndecidedError : an identity fails (the modular screen dropped a row: practically impossible)
     """
     field = exact.field
-    one = field.one_polynomial
-    elements = {f: {i: Element(field, p, one) for i, p in column.items()} for f, column in columns.items()}
+    elements = {f: field_row(field, column) for f, column in columns.items()}
     for column in elements.values():
         if any(dot(field, row, column) for row in exact.H):
             raise UndecidedError("the proof of the upper bound failed: H N is not zero")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from obscli.exact.field import Element
+from obscli.exact.rows import field_row
 from obscli.exact.saturation import independent_values
 from obscli.exact.series import PRIME, SeriesPoint
 
@@ -29,8 +29,7 @@ def first_rows(exact: ExactSystem, saturation: Saturation, rows: Sequence[PolyRo
 
 
 def _at(point: SeriesPoint, exact: ExactSystem, row: PolyRow) -> dict[int, int]:
-    one = exact.field.one_polynomial
-    return {j: int(point.value(Element(exact.field, p, one))[0]) for j, p in row.items()}
+    return {j: int(point.value(element)[0]) for j, element in field_row(exact.field, row).items()}
 
 
 class _Flag:

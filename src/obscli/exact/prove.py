@@ -22,6 +22,7 @@ from obscli.exact.kernel import Kernel, invariant_kernel, kernel_columns
 from obscli.exact.lower import prove_lower_bound
 from obscli.exact.nonzero import require_nonzero
 from obscli.exact.restore import Restorer
+from obscli.exact.rows import dot, field_row
 from obscli.exact.saturation import Saturation, saturate
 from obscli.model.expression import Expression
 from obscli.model.system import Covector, System
@@ -53,9 +54,10 @@ class Proof:
         """The reduced echelon form as readable combinations, by pivot."""
         return tuple(self.covector(row) for _, row in sorted(self.flag.rows.items()))
 
-    def directions(self) -> tuple[Covector, ...]:
-        """Return the kernel columns as readable directions, by state."""
-        return tuple(self.covector(column) for column in self.kernel.columns.values())
+    @cached_property
+    def directions(self) -> dict[int, Covector]:
+        """The kernel columns as readable directions, by free state."""
+        return {free: self.covector(column) for free, column in self.kernel.columns.items()}
 
     def covector(self, row: PolyRow) -> Covector:
         """Return a polynomial row as a readable linear form, states in order."""
@@ -79,21 +81,22 @@ def prove(system: System, columns: Sequence[int], extra: Iterable[Expression] = 
     UndefinedError : a coefficient does not exist
     """
     extra = tuple(extra)
-    exact = read_system(system, extra, jets)
+    return prove_read(read_system(system, extra, jets), columns, extra)
+
+
+def prove_read(exact: ExactSystem, columns: Sequence[int], extra: Sequence[Expression]) -> Proof:
+    """Compute and prove the rank of a system that has been read together with ``extra``.
+
+    The system is read again with more derivatives of its functions where they run out.
+    """
     while True:
         try:
-            return prove_read(exact, columns)
+            return _prove(exact, columns)
         except JetOverflowError:
             exact = more_jets(exact, extra)
 
 
-def prove_read(exact: ExactSystem, columns: Sequence[int]) -> Proof:
-    """Compute and prove the rank of a system that has been read.
-
-    Raises
-    ------
-    JetOverflowError : the field holds too few derivatives of a function
-    """
+def _prove(exact: ExactSystem, columns: Sequence[int]) -> Proof:
     saturation = saturate(exact)
     flag = eliminate(exact, saturation, columns)
     kernel = invariant_kernel(exact, kernel_columns(exact.field, flag.rows, columns))
@@ -121,7 +124,7 @@ def _upper_bound(proof: Proof) -> UpperBound:
     exact, restorer = proof.exact, proof.restorer
     names = exact.system.state_names
     free = list(proof.kernel.columns)
-    printed = {f: proof.covector(column) for f, column in proof.kernel.columns.items()}
+    printed = proof.directions
     scale = {f: _scale(proof, f, printed[f][names[f]]) for f in free}
     zero = exact.field.zero
     columns = []
@@ -150,15 +153,7 @@ def _delay(proof: Proof) -> Covector | None:
 
 
 def _seen(proof: Proof, column: PolyRow) -> bool:
-    """Whether the direction is seen at the saturation order, for L_k w = ±H w_k, w_{k+1} = w_k' - A w_k."""
-    exact = proof.exact
-    one = exact.field.one_polynomial
-    direction = {i: Element(exact.field, p, one) for i, p in column.items()}
-    for row in proof.flag.rows.values():
-        total = exact.field.zero
-        for j, entry in row.items():
-            if j in direction:
-                total = total + Element(exact.field, entry, one) * direction[j]
-        if total:
-            return True
-    return False
+    """Whether some observable combination changes along the direction."""
+    field = proof.exact.field
+    direction = field_row(field, column)
+    return any(dot(field, field_row(field, row), direction) for row in proof.flag.rows.values())

@@ -6,13 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from obscli.exact.errors import JetOverflowError, UndecidedError
-from obscli.exact.exact_system import more_jets, read_system
-from obscli.exact.field import Element
+from obscli.exact.errors import UndecidedError
+from obscli.exact.exact_system import read_system
 from obscli.exact.lower import prove_lower_bound
 from obscli.exact.nonzero import first_nonzero
 from obscli.exact.prove import prove_read
-from obscli.exact.rows import dot
+from obscli.exact.rows import dot, field_row
 from obscli.exact.saturation import stays_independent
 from obscli.model.specialise import Specialisation
 
@@ -49,12 +48,7 @@ def rerun(
     exact = read_system(system, extra)
     if stays_independent(exact, proof.saturation) and _really(proof, exact):
         return None
-    while True:
-        try:
-            lower = prove_read(exact, range(system.n))
-            break
-        except JetOverflowError:
-            exact = more_jets(exact, extra)
+    lower = prove_read(exact, range(system.n), extra)
     if lower.rank >= proof.rank:
         return None
     return Rerun(lower.rank, _lost(proof, lower, images))
@@ -77,14 +71,11 @@ def _really(proof: Proof, exact: ExactSystem) -> bool:
 def _lost(proof: Proof, lower: Proof, images: Sequence[Covector]) -> tuple[Covector, ...]:
     """Return the generic combinations whose image on the specialised system vanishes or is not observable."""
     exact = lower.exact
-    one = exact.field.one_polynomial
-    index = {name: j for j, name in enumerate(exact.system.state_names)}
-    columns = [{i: Element(exact.field, p, one) for i, p in c.items()} for c in lower.kernel.columns.values()]
-    read = exact.interpreter.read
-    rows = [{index[name]: read(e) for name, e in image.items()} for image in images]
+    columns = [field_row(exact.field, column) for column in lower.kernel.columns.values()]
+    rows = [exact.row(image) for image in images]
     return tuple(
         combination
         for combination, row in zip(proof.echelon, rows, strict=True)
-        if not any(row.values())
+        if not row
         or first_nonzero(exact.interpreter, [dot(exact.field, row, column) for column in columns]) is not None
     )

@@ -1,13 +1,16 @@
-"""Rows and columns over the field: their product, and the drift of a direction."""
+"""Rows and columns over the field: made of polynomials, multiplied; the drift of a direction."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from obscli.exact.field import Element
+
 
 if TYPE_CHECKING:
+    from obscli.exact.echelon import PolyRow
     from obscli.exact.exact_system import ExactSystem, Row
-    from obscli.exact.field import Element, Field
+    from obscli.exact.field import Field
 
 
 def drift(exact: ExactSystem, column: Row) -> dict[int, Element]:
@@ -34,3 +37,8 @@ def dot(field: Field, row: Row, column: Row) -> Element:
         if j in column:
             total = total + element * column[j]
     return total
+
+
+def field_row(field: Field, row: PolyRow) -> dict[int, Element]:
+    """Return a row of polynomials as a row of field elements."""
+    return {j: Element(field, entry, field.one_polynomial) for j, entry in row.items()}

@@ -9,17 +9,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from obscli.exact.errors import UndecidedError
-from obscli.exact.field import Element
 from obscli.exact.finding import LinearFormVerdict, QuantityVerdict, StateVerdict
 from obscli.exact.nonzero import first_nonzero
-from obscli.exact.rows import dot
+from obscli.exact.rows import dot, field_row
 
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from obscli.exact.echelon import PolyRow
-    from obscli.exact.interpreter import Interpreter
+    from obscli.exact.exact_system import ExactSystem
     from obscli.model.system import Quantity
 
 
@@ -49,23 +48,18 @@ def state_verdicts(names: Sequence[str], components: Sequence[set[int]]) -> dict
 
 def quantity_verdict(
     quantity: Quantity,
-    interpreter: Interpreter,
-    names: Sequence[str],
+    exact: ExactSystem,
     kernel: Mapping[int, PolyRow],
     components: Sequence[set[int]],
 ) -> QuantityVerdict:
     """A quantity q is observable iff q N = 0; coupled where one of its states enters a combination."""
-    index = {name: j for j, name in enumerate(names)}
-    field = interpreter.field
-    row = {index[state]: interpreter.read(e) for state, e in quantity.coefficients.items()}
-    row = {j: element for j, element in row.items() if element}
-    columns = [
-        {i: Element(field, p, field.one_polynomial) for i, p in column.items()} for column in kernel.values()
-    ]
-    group = tuple(sorted((names[j] for c in components if c & row.keys() for j in c), key=index.__getitem__))
+    field, names = exact.field, exact.system.state_names
+    row = exact.row(quantity.coefficients)
+    products = [dot(field, row, field_row(field, column)) for column in kernel.values()]
+    group = tuple(names[j] for j in sorted(j for c in components if c & row.keys() for j in c))
     verdict: LinearFormVerdict = "coupled" if group else "unobservable"
     try:
-        if first_nonzero(interpreter, [dot(field, row, column) for column in columns]) is None:
+        if first_nonzero(exact.interpreter, products) is None:
             verdict = "observable"
     except UndecidedError:
         verdict = "undecided"
