@@ -19,6 +19,7 @@ DEEPEST: Final = 100
 MOST_NODES: Final = 100_000
 _QUOTE: Final = 'write "…" around an expression with commas, brackets or ": ", as in "cross([0, 0, 1], v)"'
 _LOADER: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_TOO_DEEP: Final = f"lists and mappings are nested over {DEEPEST} deep"
 
 
 @dataclass(slots=True)
@@ -61,7 +62,7 @@ class _Composer:
 
     def _open(self, event: Any) -> None:  # noqa: ANN401
         if len(self._stack) >= DEEPEST:
-            self._stop(event, f"lists and mappings are nested over {DEEPEST} deep", path="")
+            self._stop(event, _TOO_DEEP, path="")
         if event.anchor:
             self._anchors.pop(event.anchor, None)
         self._stack.append(_Open(event, self._path()))
@@ -201,6 +202,8 @@ def _syntax(source: Source, error: yaml.MarkedYAMLError) -> Problem:
     line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
     text = source.line(line)
     what = shown(f"{error.problem or error.context}")
+    if "maximum nesting depth" in what:  # the scanner of PyYAML 6.0.4 reads ahead and gives up by itself
+        return source.problem(line, column, 1, "", _TOO_DEEP)
     opening = text[: column - 1].rfind("(")
     if "did not find expected ','" in what and opening >= 0 and first_open(text[opening : column - 1]) == 0:
         message = "quote this expression: YAML reads its brackets and commas as its own"
