@@ -266,8 +266,11 @@ def test_kept_for_later_commands():
     assert first.noise.value["Q"].value["w"].value == "1e-6"
     assert second.noise.value["R"].value == "4"
     assert second.noise.value["step"].value == "0.1"
-    assert second.interval.value["stop"].value == "60"
-    assert second.interval.value["samples"].value == "200"
+    assert (to_text(second.interval.start), to_text(second.interval.stop)) == ("0", "60")
+    assert second.interval.samples == 200
+    assert {name: to_text(std) for name, std in first.prior.items()} == {
+        **dict.fromkeys(("psi1", "psi2", "psi3"), "pi/36"), "b": "1/100"
+    }  # fmt: skip
     assert model.require.value["e"].value == "0.5*pi/180"
     assert model.experiment.value["runs"].value[1].value["name"].value == "back"
 

@@ -19,6 +19,7 @@ from obscli.model.latex import checked_latex
 from obscli.model.linear import linear_values, quantity
 from obscli.model.meter import Meter
 from obscli.model.observation import observation
+from obscli.model.prior import prior_deviations
 from obscli.model.scope import Scope
 from obscli.model.system import Quantity, State, System
 from obscli.model.trouble import Incomplete, Problems
@@ -84,6 +85,7 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
         quantities=_quantities(draft, still, problems),
         claims=claims_of(about(setting.claims, setting.stage), still, states, problems),
         noise=kept_noise(draft.noise, "noise", targets, known.scope, problems),
+        prior=prior_deviations(draft.noise, states, known.scope),
         interval=kept_interval(draft.interval, "interval", known.scope, problems),
         scope=still,
     )

@@ -6,12 +6,14 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Final
 
+from obscli.model.constant import constant
 from obscli.model.evaluate import evaluate
+from obscli.model.expression import Expression
 from obscli.model.formula import formula
 from obscli.model.keys import fields, whole_of
 from obscli.model.plain import plain
 from obscli.model.scope import Scope
-from obscli.model.system import Plain
+from obscli.model.system import Interval, Plain
 from obscli.model.tensor import Tensor, named
 from obscli.model.tree import Broken, Mapping, Node, Scalar
 from obscli.model.trouble import Problems, nearest, shown
@@ -19,6 +21,7 @@ from obscli.model.trouble import Problems, nearest, shown
 
 NOISE_KEYS: Final = ("Q", "R", "P0", "P0_std", "step")
 INTERVAL_KEYS: Final = ("start", "stop", "samples")
+MOST_SAMPLES: Final = 10_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,16 +53,19 @@ def kept_noise(
     return plain(node)
 
 
-def kept_interval(node: Node | None, path: str, scope: Scope, problems: Problems) -> Plain | None:
-    """Return ``interval`` checked."""
+def kept_interval(node: Node | None, path: str, scope: Scope, problems: Problems) -> Interval | None:
+    """Return ``interval`` evaluated in the names of its stage."""
     if node is None or isinstance(node, Broken):
         return None
-    for key, (_, value) in fields(node, path, INTERVAL_KEYS, problems).items():
-        if key == "samples":
-            whole_of(value, f"{path}.samples", problems, most=10_000_000)
-        else:
-            _check_expression(value, f"{path}.{key}", scope, problems)
-    return plain(node)
+    given = fields(node, path, INTERVAL_KEYS, problems)
+    ends: dict[str, Expression | None] = {}
+    for key in ("start", "stop"):
+        if key in given and not _is_missing(given[key][1], f"{path}.{key}", problems):
+            below = f"{path}.{key}"
+            ends[key] = constant(formula(given[key][1], below, problems), scope, problems)
+    samples = given.get("samples")
+    count = whole_of(samples[1], f"{path}.samples", problems, most=MOST_SAMPLES) if samples else None
+    return Interval(node.place, ends.get("start"), ends.get("stop"), count)
 
 
 def kept_require(node: Node | None, names: Collection[str], scope: Scope, problems: Problems) -> Plain | None:
@@ -93,7 +99,14 @@ def _check_mapping(node: Node, path: str, names: Collection[str], scope: Scope, 
 
 def _check_expression(node: Node, path: str, scope: Scope, problems: Problems) -> Tensor | None:
     """Evaluate for the problems' sake; the later command evaluates with its own numbers."""
-    if isinstance(node, Scalar) and node.is_null:
-        problems.add(node.problem(path, "an expression is missing here"))
+    if _is_missing(node, path, problems):
         return None
     return evaluate(formula(node, path, problems), scope, problems)
+
+
+def _is_missing(node: Node, path: str, problems: Problems) -> bool:
+    """Whether nothing stands where an expression should (which is reported)."""
+    missing = isinstance(node, Scalar) and node.is_null
+    if missing:
+        problems.add(node.problem(path, "an expression is missing here"))
+    return missing

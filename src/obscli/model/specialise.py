@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from obscli.model.expression import Expression, Symbol, TimeDerivative, is_zero, substitute
-from obscli.model.system import Covector, Function, Invariant, Matrix, System
+from obscli.model.system import Covector, Function, Interval, Invariant, Matrix, System
 
 
 class Specialisation:
@@ -55,7 +55,18 @@ class Specialisation:
             quantities=tuple(
                 replace(q, coefficients=self.covector(q.coefficients)) for q in system.quantities
             ),
+            states=tuple(replace(s, scale=self._optional(s.scale)) for s in system.states),
+            prior=self.covector(system.prior),
+            interval=self._interval(system.interval),
         )
+
+    def _optional(self, expression: Expression | None) -> Expression | None:
+        return None if expression is None else self.expression(expression)
+
+    def _interval(self, interval: Interval | None) -> Interval | None:
+        if interval is None:
+            return None
+        return replace(interval, start=self._optional(interval.start), stop=self._optional(interval.stop))
 
     def _function(self, function: Function) -> Function:
         rule = self._rules.get(function.name)

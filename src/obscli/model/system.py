@@ -130,9 +130,20 @@ class Plain:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Interval:
+    """``interval``: from start to stop, and how many instants; None where the file does not say."""
+
+    place: Place
+    start: Expression | None = None
+    stop: Expression | None = None
+    samples: int | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class System:
     """One stage: x' = A x, y = H x with everything replaced, ready for an interpreter.
 
+    ``prior`` is the initial standard deviation by state, where ``noise`` gives ``P0`` or ``P0_std``.
     ``scope`` holds what the names of the file stand for in this stage, for expressions given later
     (claims, the command line); None for a system not made from a file.
     """
@@ -153,7 +164,8 @@ class System:
     quantities: tuple[Quantity, ...] = ()
     claims: tuple[Claim, ...] = ()
     noise: Plain | None = None
-    interval: Plain | None = None
+    prior: Mapping[str, Expression] = field(default_factory=dict)
+    interval: Interval | None = None
     scope: Scope | None = None
 
     @property
