@@ -1,0 +1,1 @@
+"""The numerical side: floating point only, no computer algebra; it does not know ``exact``."""

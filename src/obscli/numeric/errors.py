@@ -1,0 +1,11 @@
+"""What the numerical side raises."""
+
+from __future__ import annotations
+
+
+class NotComputableError(ValueError):
+    """The numerical side cannot work on this system as asked; the text says why and what to do."""
+
+
+class TooManyStepsError(NotComputableError):
+    """An interval that would take more steps than are made; a shorter one may do."""
