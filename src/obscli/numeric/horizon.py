@@ -1,0 +1,101 @@
+"""The instants t_1 … t_N at which the Gramian W(t_i, t_0) is wanted, and where they come from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from obscli.model.expression import Expression
+from obscli.model.system import System
+from obscli.numeric.errors import NotComputableError
+from obscli.numeric.numeric_system import NumericSystem, constants_of
+from obscli.numeric.program import Array, constant_value
+from obscli.numeric.rates import rates_of
+
+
+#: Instants where nobody says how many, and how large a system may be for that many.
+SAMPLES: Final = 150
+FEWEST_SAMPLES: Final = 10
+EASY_STATES: Final = 50
+
+#: The default interval in units of the fastest rate.
+SPANS: Final = 20
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Wanted:
+    """What the user asks of the instants, as expressions; None: as in the file."""
+
+    start: Expression | None = None
+    stop: Expression | None = None
+    samples: int | None = None
+    times: tuple[Expression, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Horizon:
+    """t_0, the instants t_i > t_0 in order, and whether the interval is given or a default."""
+
+    start: float
+    instants: Array
+    origin: Literal["given", "default"]
+
+    @property
+    def stop(self) -> float:
+        """The last instant."""
+        return float(self.instants[-1])
+
+
+def horizon_of(system: System, wanted: Wanted) -> Horizon:
+    """Return the instants: those wanted, else evenly over the file's interval, else over a default one.
+
+    Raises
+    ------
+    NotComputableError
+        where an end is no number, or the instants do not follow the start
+    """
+    given = system.interval
+    start_given = wanted.start or (given.start if given else None)
+    start = 0.0 if start_given is None else _number(system, start_given, "the start")
+    if wanted.times:
+        instants = np.unique([_number(system, one, "an instant") for one in wanted.times])
+        if instants[0] <= start:
+            raise NotComputableError(
+                f"the instant {instants[0]:.6g} is not after the start {start:.6g} of the interval "
+                "(--from moves the start)"
+            )
+        return Horizon(start, instants, "given")
+    stop_given = wanted.stop or (given.stop if given else None)
+    origin: Literal["given", "default"] = "given" if stop_given is not None else "default"
+    stop = _default_stop(system, start) if stop_given is None else _number(system, stop_given, "the stop")
+    if stop <= start:
+        raise NotComputableError(f"the interval stops at {stop:.6g}, not after its start {start:.6g}")
+    samples = wanted.samples or (given.samples if given else None) or default_samples(system.n)
+    return Horizon(start, start + (stop - start) * np.arange(1, samples + 1) / samples, origin)
+
+
+def default_samples(n: int) -> int:
+    """Return how many instants are taken for n states: fewer for large systems."""
+    return max(FEWEST_SAMPLES, round(SAMPLES * min(1.0, (EASY_STATES / n) ** 2)))
+
+
+def _number(system: System, expression: Expression, what: str) -> float:
+    try:
+        value = constant_value(expression, constants_of(system))
+    except (KeyError, TypeError):
+        raise NotComputableError(f"{what} of the interval must be a number at the file's values") from None
+    if not np.isfinite(value):
+        raise NotComputableError(f"{what} of the interval is not finite")
+    return value
+
+
+def _default_stop(system: System, start: float) -> float:
+    """Return 20/(fastest rate found), a rate of 1 being taken where nothing has one."""
+    at_unit_rate = start + SPANS
+    probe = NumericSystem(system, start, at_unit_rate)
+    found = rates_of(probe, np.array([start + 1e-3 * SPANS / 7, start + 0.1 * SPANS]))
+    tones = probe.motion.rate if probe.motion else 0.0
+    rates = [rate for rate in (found.coefficients, found.dynamics) if rate > 0 and rate != tones]
+    return start + SPANS / max(rates) if rates else at_unit_rate

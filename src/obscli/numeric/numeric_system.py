@@ -1,0 +1,185 @@
+"""A system as functions from instants to arrays: A(t), H(t) in batches, at the file's values.
+
+x' = A x,  y = H x.  Only the rows of A that are not zero are kept: most states of a calibration are constant,
+and what follows multiplies (p, n) instead of (n, n) matrices, p the number of states that move.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from obscli.model.expression import Derivative, Expression, postorder, symbols
+from obscli.model.system import Covector, Matrix, Parameter, System
+from obscli.numeric.errors import NotComputableError
+from obscli.numeric.motion import Motion
+from obscli.numeric.program import ROUNDING, Array, Program, Value, constant_value
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Coefficients:
+    """A's moving rows (k, p, n) and H (k, m, n) at k instants, with their rounding errors."""
+
+    A: Array
+    H: Array
+    A_error: Array
+    H_error: Array
+
+
+class NumericSystem:
+    """A system in floating point over an interval of time.
+
+    Parameters
+    ----------
+    system : the system; parameters take their nominal values
+    start, stop : the interval; functions left open follow a sample motion over it
+
+    Raises
+    ------
+    NotComputableError
+        where a parameter has no value, or no sample motion exists
+    """
+
+    def __init__(self, system: System, start: float, stop: float) -> None:
+        self.system = system
+        self.constants = constants_of(system)
+        self.motion = Motion(system, self.constants, start, stop) if system.functions else None
+        self.moving = np.array(sorted({i for i, _ in system.A.entries}), dtype=int)
+        self._program = Program([*system.A.entries.values(), *system.H.entries.values()])
+        self._orders = _orders([*system.A.entries.values(), *system.H.entries.values()])
+        row = {i: k for k, i in enumerate(self.moving)}
+        self._places = [(row[i], j) for i, j in system.A.entries]
+
+    @property
+    def n(self) -> int:
+        """The number of states."""
+        return self.system.n
+
+    @property
+    def m(self) -> int:
+        """The number of outputs."""
+        return self.system.m
+
+    def coefficients(self, t: Array) -> Coefficients:
+        """Return A and H at k instants.
+
+        Raises
+        ------
+        NotComputableError
+            where an entry is infinite or does not exist at some instant; the text says where
+        """
+        values = self.values(t, self._orders)
+        found = self._program.run_rounded(values, self.errors(values))
+        k, count = len(t), len(self._places)
+        A, A_error = np.zeros((2, k, len(self.moving), self.n))
+        H, H_error = np.zeros((2, k, self.m, self.n))
+        for (i, j), entry in zip(self._places, found[:count], strict=True):
+            A[:, i, j], A_error[:, i, j] = entry.value, entry.error
+        for (i, j), entry in zip(self.system.H.entries, found[count:], strict=True):
+            H[:, i, j], H_error[:, i, j] = entry.value, entry.error
+        if not (np.isfinite(A).all() and np.isfinite(H).all()):
+            raise NotComputableError(self._where_not_finite(t, [entry.value for entry in found]))
+        return Coefficients(A, H, np.nan_to_num(A_error), np.nan_to_num(H_error))
+
+    def covectors(self, rows: Sequence[Covector], t: Array) -> tuple[Array, Array]:
+        """Return linear forms in the states at k instants, and their rounding errors, (k, len(rows), n) each.
+
+        Entries are not finite where they are undefined.
+        """
+        entries = [entry for row in rows for entry in row.values()]
+        values = self.values(t, _orders(entries))
+        found = iter(Program(entries).run_rounded(values, self.errors(values)))
+        place = {name: j for j, name in enumerate(self.system.state_names)}
+        result, errors = np.zeros((2, len(t), len(rows), self.n))
+        for k, row in enumerate(rows):
+            for name in row:
+                entry = next(found)
+                result[:, k, place[name]], errors[:, k, place[name]] = entry.value, entry.error
+        return result, np.nan_to_num(errors)
+
+    def values(self, t: Array, orders: Mapping[str, int]) -> dict[str, Value]:
+        """Return time, parameters and functions at instants, derivatives up to the orders asked for."""
+        moving = {} if self.motion is None else self.motion.values(t, orders)
+        return {**self.constants, **moving, self.system.time: t}
+
+    def errors(self, values: Mapping[str, Value]) -> dict[str, Value]:
+        """Return the errors of the values: of the instants by rounding, of functions as they are sampled.
+
+        Parameters are exact: everything is evaluated at the doubles nearest to their values.
+        """
+        relative = max(ROUNDING, self.motion.error if self.motion else 0.0)
+        found = {
+            name: relative * np.abs(value) for name, value in values.items() if name not in self.constants
+        }
+        return {**found, self.system.time: ROUNDING * np.abs(values[self.system.time])}
+
+    @cached_property
+    def constant_states(self) -> Array:
+        """The states whose derivative is identically zero."""
+        return np.setdiff1d(np.arange(self.n), self.moving)
+
+    def _where_not_finite(self, t: Array, found: Sequence[Value]) -> str:
+        places = [*self._matrix_places("A", self.system.A), *self._matrix_places("H", self.system.H)]
+        for place, value in zip(places, found, strict=True):
+            bad = ~np.isfinite(np.broadcast_to(value, t.shape))
+            if bad.any():
+                at = t[bad][0]
+                return (
+                    f"{place} does not exist at {self.system.time} = {at:.6g}: "
+                    "choose instants that leave it out (--from, --to, or `interval` in the file)"
+                )
+        return "a coefficient is not finite"
+
+    def _matrix_places(self, name: str, matrix: Matrix) -> Iterable[str]:
+        system = self.system
+        rows = system.state_names if name == "A" else tuple(one.name for one in system.outputs)
+        return (f"{name}[{rows[i]}, {system.state_names[j]}]" for i, j in matrix.entries)
+
+
+def constants_of(system: System) -> dict[str, float]:
+    """Return the values of all parameters in use.
+
+    Raises
+    ------
+    NotComputableError
+        naming every parameter without a value
+    """
+    used = symbols(*system.A.entries.values(), *system.H.entries.values(), *_relations(system))
+    missing = [one.name for one in system.parameters if one.nominal is None and one.name in used]
+    if missing:
+        raise NotComputableError(missing_values(missing))
+    return {one.name: _nominal(one) for one in system.parameters if one.nominal is not None}
+
+
+def missing_values(names: Sequence[str]) -> str:
+    """Return the request for values of parameters that have none."""
+    what = "parameter without a value" if len(names) == 1 else "parameters without a value"
+    given = " ".join(f"--set {name}=…" for name in names[:3])
+    return (
+        f"{what}: {', '.join(names)}; give {'it' if len(names) == 1 else 'them'} in the file or with {given}"
+    )
+
+
+def _nominal(parameter: Parameter) -> float:
+    assert parameter.nominal is not None
+    value = constant_value(parameter.nominal, {})
+    if not np.isfinite(value):
+        raise NotComputableError(f"the value of {parameter.name} is not finite in double precision")
+    return value
+
+
+def _relations(system: System) -> list[Expression]:
+    rules = [one.derivative for one in system.functions if one.derivative is not None]
+    return [*rules, *(one.expression for one in system.invariants)]
+
+
+def _orders(roots: Sequence[Expression]) -> dict[str, int]:
+    """Return the highest derivative of each function that expressions name."""
+    orders: dict[str, int] = {}
+    for node in postorder(*roots):
+        if isinstance(node, Derivative):
+            orders[node.name] = max(orders.get(node.name, 0), node.order)
+    return orders

@@ -1,0 +1,64 @@
+"""How fast a system is: rates of its coefficients, of its motion, and of the bound that steps must respect.
+
+All in 1/(unit of time), and none depends on the units of the states:
+
+    ν  fastest rate of change |dθ/dt| of an argument of sin, cos, exp, … in A, H
+    λ  largest |eigenvalue| of A(t)
+    ρ  Perron root of max_t |A(t)|: bounds ‖D⁻¹ A D‖ for the best diagonal D
+    β  largest −Re(eigenvalue) of A(t): how fast Φ(τ, t) may grow backwards
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from obscli.model.expression import Apply, Expression, TimeDerivative, is_zero, postorder
+from obscli.model.system import System
+from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.program import Array, Program
+
+
+@dataclass(frozen=True, slots=True)
+class Rates:
+    """ν of the coefficients (with the sample motion), λ of the dynamics, ρ for the steps, β of decay."""
+
+    coefficients: float
+    dynamics: float
+    perron: float
+    backward: float
+
+    @property
+    def fastest(self) -> float:
+        """The fastest rate of coefficients and dynamics."""
+        return max(self.coefficients, self.dynamics)
+
+
+def rates_of(system: NumericSystem, t: Array) -> Rates:
+    """Return the rates seen at some instants."""
+    core = system.coefficients(t).A[:, :, system.moving]  # constant states add only zero eigenvalues
+    eigenvalues = np.linalg.eigvals(core)
+    return Rates(
+        coefficients=max(_argument_rate(system, t), system.motion.rate if system.motion else 0.0),
+        dynamics=float(np.abs(eigenvalues).max(initial=0.0)),
+        perron=float(np.abs(np.linalg.eigvals(np.abs(core).max(axis=0))).max(initial=0.0)),
+        backward=float((-eigenvalues.real).max(initial=0.0)),
+    )
+
+
+def _argument_rate(system: NumericSystem, t: Array) -> float:
+    derivatives = argument_derivatives(system.system)
+    if not derivatives:
+        return 0.0
+    found = Program(derivatives).run(system.values(t, {}))
+    finite = [one for value in found for one in np.abs(np.atleast_1d(value)) if np.isfinite(one)]
+    return float(max(finite, default=0.0))
+
+
+def argument_derivatives(system: System) -> list[Expression]:
+    """Return d/dt of the arguments of elementary functions in A and H that vary with time itself."""
+    derive = TimeDerivative(system.time, {}, frozenset())
+    roots = [*system.A.entries.values(), *system.H.entries.values()]
+    found = [derive(node.argument) for node in postorder(*roots) if isinstance(node, Apply)]
+    return [one for one in found if not is_zero(one)]
