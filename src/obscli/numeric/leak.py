@@ -1,0 +1,66 @@
+"""χ: how far claimed observable combinations leak into the kernel of the Gramian, and how far rounding may.
+
+    χ_i = max |(s_k/‖s_k‖) · η_j(t_i)|    over the rows s_k and an orthonormal basis η_j of the kernel,
+
+in the file's units. For a right row, s = uᵀ M D⁻¹ with u = (s D M⁺)ᵀ, and with M η = −ΔM η
+
+    |s · η| ≤ ‖u‖ |ΔM η|  (+ rounding of the product),
+
+which is the bound that χ is held against: row by row, so that a strong row is judged strictly although
+another is weak.
+
+References
+----------
+V. M. Morozov, F. Yu. Baklanov (2018), verification of an analytic result, step 4.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from obscli.numeric.program import EPS, Array
+from obscli.numeric.subspace import Subspaces
+
+
+#: A row shorter than this, relative to its largest length over the instants, has lost its digits.
+_DEGENERATE: Final = 1e-6
+_PRODUCT: Final = 16.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leak:
+    """χ and its bound by instant and row, shape (N, r); not a number where a row degenerates."""
+
+    chi: Array
+    bound: Array
+
+
+def leak_of(spaces: Subspaces, rows: Array, errors: Array) -> Leak:
+    """Return χ row by row.
+
+    Parameters
+    ----------
+    rows : the covectors at every instant in the file's units, shape (N, r, n)
+    errors : the rounding errors of their entries
+    """
+    norms = np.linalg.norm(rows, axis=2)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        lost = ~(norms > _DEGENERATE * np.nanmax(norms, axis=0, initial=0.0))
+        unit = rows / norms[:, :, None]
+    unit[lost] = np.nan
+    chi, bound = np.empty(norms.shape), np.empty(norms.shape)
+    for i in range(len(rows)):
+        kernel = spaces.kernel(i)
+        scaled_rows = unit[i] * spaces.gramian.units[i]
+        chi[i] = np.abs(scaled_rows @ kernel).max(axis=1, initial=0.0)
+        size = np.linalg.norm(kernel, axis=0)
+        through = spaces.pull(unit[i], i)[:, None] * spaces.noise_along(kernel, i)
+        of_rows = np.linalg.norm(errors[i], axis=1) / norms[i]
+        of_basis = EPS * np.linalg.norm(scaled_rows, axis=1)[:, None] * size
+        rounding = _PRODUCT * (EPS + of_rows[:, None] + of_basis)
+        bound[i] = (through + rounding).max(axis=1, initial=0.0)
+    chi[lost] = np.nan
+    return Leak(chi, bound)

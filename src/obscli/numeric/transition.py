@@ -1,0 +1,268 @@
+"""Transition matrices on panels, all panels at once, by collocation of high order with error control.
+
+On a panel [a, b], h = b − a, the transition X(τ) = Φ(τ, b) satisfies X' = A X, X(b) = I, hence
+
+    X(τ) = I − ∫_τ^b A X,    X_j ← I − h Σ_l B_jl A(τ_l) X_l    (repeated until it stands)
+
+at the Gauss–Legendre nodes τ_j, which gives Φ(a, b) and the rows H(τ_j) Φ(τ_j, b) of the Gramian together.
+Only the moving states' rows of X differ from those of I. Panels start no longer than the dynamics and the
+coefficients allow; one whose A X is not resolved (the estimate of its next Legendre coefficient, relative to
+the entry, exceeds rtol) is halved.
+
+References
+----------
+E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1 (collocation methods).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from obscli.numeric.collocation import gauss_legendre
+from obscli.numeric.errors import NotComputableError, TooManyStepsError
+from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.program import EPS, Array, Flags
+from obscli.numeric.rates import Rates
+from obscli.numeric.settings import Effort
+
+
+NODES: Final = 16
+
+#: A panel starts at most so long in units of 1/λ (the iteration converges like (hλ)^k/k!) and of 1/ν.
+_MOST_TURN: Final = 2.0
+_MOST_PHASE: Final = 1.5
+_SWEEPS: Final = 60
+_TERMS: Final = 12
+
+#: A tail below this that halving does not lower is taken for noise; a panel shorter than this, relative to
+#: the time, cannot be halved.
+_NOISE: Final = 1e-9
+_SHORTEST: Final = 1e-12
+
+#: Numbers (of 8 bytes) worked on at a time.
+_CHUNK: Final = 4_000_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Panels:
+    """Consecutive panels, ``ends`` (k,).
+
+    ``transition``: the moving states' rows of Φ(a, b), shape (k, p, n);
+    ``rows``: √(h w_j) H(τ_j) Φ(τ_j, b), shape (k, s m, n);
+    ``transition_error``: squared error of the moving rows of Φ, of step and coefficients, shape (k, p, n);
+    ``row_error``: squared norm of the columns of the rows' error from coefficients, shape (k, n).
+    """
+
+    ends: Array
+    transition: Array
+    rows: Array
+    transition_error: Array
+    row_error: Array
+
+
+def longest_step(rates: Rates) -> float:
+    """Return the longest panel that rates allow."""
+    turn = _MOST_TURN / rates.dynamics if rates.dynamics else np.inf
+    return min(turn, _MOST_PHASE / rates.coefficients if rates.coefficients else np.inf)
+
+
+def edges_of(start: float, instants: Array, longest: float) -> Array:
+    """Return the edges of panels no longer than ``longest``, one at every instant."""
+    edges = np.concatenate([[start], instants])
+    counts = np.maximum(np.ceil(np.diff(edges) / longest * (1 - 1e-12)), 1).astype(int)
+    parts = [
+        np.linspace(a, b, k, endpoint=False) for a, b, k in zip(edges[:-1], edges[1:], counts, strict=True)
+    ]
+    return np.concatenate([*parts, edges[-1:]])
+
+
+def panels(system: NumericSystem, edges: Array, effort: Effort) -> Iterator[Panels]:
+    """Yield the panels between edges in order, in pieces that fit into memory.
+
+    Raises
+    ------
+    NotComputableError
+        where a panel cannot be resolved however short it is, or a coefficient does not exist
+    """
+    size = NODES * system.n * (len(system.moving) + system.m)
+    at_once = max(_CHUNK // max(size, 1), 1)
+    solver = _Solver(system, effort)
+    for first in range(0, len(edges) - 1, at_once):
+        part = edges[first : first + at_once + 1]
+        yield solver.resolved(part[:-1], part[1:])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Parents:
+    """Of the panels that some are halves of: how far from being resolved, (k,), the size of A X, (k, p, n).
+
+    An entry that passes through zero inside a short panel is held to its size on the panel it began with.
+    """
+
+    unresolved: Array
+    largest: Array
+
+
+class _Solver:
+    """Solves panels of one system."""
+
+    def __init__(self, system: NumericSystem, effort: Effort) -> None:
+        self._system = system
+        self._effort = effort
+        self._rule = gauss_legendre(NODES)
+        self._solved = 0
+
+    def resolved(self, starts: Array, stops: Array, parents: Parents | None = None) -> Panels:
+        """Return the panels, those that are not resolved halved until they are.
+
+        Parameters
+        ----------
+        parents : what is known of the panels that these are halves of
+        """
+        self._solved += len(starts)
+        if self._solved > self._effort.most_steps:
+            raise TooManyStepsError(self._too_many())
+        found, tail, largest = self._solve(starts, stops)
+        if parents is not None:
+            largest = np.maximum(largest, parents.largest)
+        unresolved = (tail / np.maximum(largest, 1e-300)).max(axis=(1, 2), initial=0.0)
+        bad = unresolved > self._effort.rtol
+        if parents is not None:
+            # what halving does not improve is rounding in the coefficients; it stays in the step error
+            bad &= ~((unresolved > parents.unresolved / 4) & (unresolved < _NOISE))
+        if not bad.any():
+            return found
+        if (stops - starts)[bad].min() < _SHORTEST * np.abs(stops).max():
+            raise NotComputableError(self._not_resolved(float(starts[bad][0])))
+        middles = (starts[bad] + stops[bad]) / 2
+        fine = self.resolved(
+            np.concatenate([starts[bad], middles]),
+            np.concatenate([middles, stops[bad]]),
+            Parents(np.tile(unresolved[bad], 2), np.tile(largest[bad], (2, 1, 1))),
+        )
+        return _merged(found, ~bad, fine)
+
+    def _not_resolved(self, t: float) -> str:
+        return (
+            f"the coefficients cannot be resolved near {self._system.system.time} = {t:.6g}, however short "
+            "the steps: choose instants that leave it out (--from, --to)"
+        )
+
+    def _too_many(self) -> str:
+        return (
+            f"more than {self._effort.most_steps} steps would be needed: "
+            "choose a shorter interval (--from, --to)"
+        )
+
+    def _solve(self, starts: Array, stops: Array) -> tuple[Panels, Array, Array]:
+        """Return the panels, the tail of A X (0: noise, infinite: X does not stand), and the size of A X."""
+        system, rule = self._system, self._rule
+        moving, n = system.moving, system.n
+        h = stops - starts
+        c = system.coefficients((starts[:, None] + h[:, None] * rule.nodes).ravel())
+        A, A_error = (one.reshape(len(h), NODES, len(moving), n) for one in (c.A, c.A_error))
+        H, H_error = (one.reshape(len(h), NODES, system.m, n) for one in (c.H, c.H_error))
+        X, stands = self._iterate(A[..., moving], _without(A, moving), h)
+        derivative = _times(A, X, moving)
+        largest = np.where(stands[:, None, None], np.abs(derivative).max(axis=1), 0.0)
+        tail = np.where(stands[:, None, None], _tail(derivative, rule.spectrum), np.inf)
+        noise = 8 * _rounding(np.abs(A).max(axis=1), (EPS * np.abs(A) + A_error).max(axis=1), moving, h)
+        step, squared = h[:, None, None], rule.weights[None] ** 2
+        whole = step * _summed(rule.weights[None], derivative)[:, 0]
+        drift = step**2 * _summed(squared, _times(A_error**2, X**2, moving))[:, 0]
+        shares = (h[:, None] * rule.weights)[..., None, None]
+        found = Panels(
+            ends=stops,
+            transition=np.eye(n)[moving] - whole,
+            rows=(np.sqrt(shares) * _times(H, X, moving)).reshape(len(h), NODES * system.m, n),
+            transition_error=(step * tail / NODES) ** 2 + drift,
+            row_error=(shares * _times(H_error**2, X**2, moving)).sum(axis=(1, 2)),
+        )
+        return found, np.where(stands[:, None, None] & (tail <= noise), 0.0, tail), largest
+
+    def _iterate(self, inner: Array, outer: Array, h: Array) -> tuple[Array, Flags]:
+        """Iterate X ← I − h B (A X), all panels together.
+
+        Returns
+        -------
+        X : the moving rows at the nodes, shape (k, s, p, n)
+        stands : for which panels the iteration has come to rest, shape (k,)
+        """
+        identity = np.eye(self._system.n)[self._system.moving]
+        inner_size, outer_size = np.abs(inner).max(axis=1), np.abs(outer).max(axis=1)
+        X = np.broadcast_to(identity, outer.shape)
+        stands = np.zeros(len(h), dtype=bool)
+        for _ in range(_SWEEPS):
+            after = identity - h[:, None, None, None] * _summed(self._rule.backward, inner @ X + outer)
+            largest = np.abs(after).max(axis=1)
+            rounding = 2 * EPS * (largest + h[:, None, None] * (inner_size @ largest + outer_size))
+            if not np.isfinite(rounding).all():
+                break
+            stands = (np.abs(after - X).max(axis=1) <= rounding).all(axis=(1, 2))
+            X = after
+            if stands.all():
+                break
+        return X, stands
+
+
+def _rounding(A: Array, error: Array, moving: Array, h: Array) -> Array:
+    """Return what A X may be off by, e^(h|A|) ΔA e^(h|A|), shape (k, p, n).
+
+    Where A X is zero by cancellation, its rounding is relative to what it is summed from.
+    """
+    largest = np.eye(A.shape[2])[moving] + _grown(A, h[:, None, None] * A, moving, h, first=2)
+    return _grown(A, _times(error, largest, moving), moving, h, first=1)
+
+
+def _grown(A: Array, term: Array, moving: Array, h: Array, first: int) -> Array:
+    """Return the sum of terms, each h A/k times the one before, k counted from ``first``."""
+    total = term
+    for k in range(first, first + _TERMS):
+        term = h[:, None, None] / k * (A[..., moving] @ term)
+        total = total + term
+    return total
+
+
+def _times(rows: Array, X: Array, moving: Array) -> Array:
+    """Return rows X, given only the moving rows of X; the others are those of I."""
+    return rows[..., moving] @ X + _without(rows, moving)
+
+
+def _without(matrix: Array, columns: Array) -> Array:
+    rest = matrix.copy()
+    rest[..., columns] = 0
+    return rest
+
+
+def _summed(weights: Array, at_nodes: Array) -> Array:
+    """Return Σ_l weights_jl g(τ_l): (r, s) with (k, s, p, n) gives (k, r, p, n)."""
+    k, s, p, n = at_nodes.shape
+    return (weights @ at_nodes.reshape(k, s, p * n)).reshape(k, len(weights), p, n)
+
+
+def _merged(coarse: Panels, kept: Flags, fine: Panels) -> Panels:
+    ends = np.concatenate([coarse.ends[kept], fine.ends])
+    order = np.argsort(ends)
+
+    def joined(a: Array, b: Array) -> Array:
+        return np.concatenate([a[kept], b])[order]
+
+    return Panels(
+        ends[order],
+        joined(coarse.transition, fine.transition),
+        joined(coarse.rows, fine.rows),
+        joined(coarse.transition_error, fine.transition_error),
+        joined(coarse.row_error, fine.row_error),
+    )
+
+
+def _tail(derivative: Array, spectrum: Array) -> Array:
+    """Return an estimate of the first Legendre coefficient of A X that is left out, (k, p, n)."""
+    last = np.abs(_summed(spectrum[-4:], derivative))
+    fore, after = last[:, :2].max(axis=1), last[:, 2:].max(axis=1)
+    tail: Array = after * np.minimum(after / np.maximum(fore, 1e-300), 1.0)
+    return tail
