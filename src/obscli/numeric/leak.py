@@ -27,7 +27,7 @@ from obscli.numeric.subspace import Subspaces
 
 #: A row shorter than this, relative to its largest length over the instants, has lost its digits.
 _DEGENERATE: Final = 1e-6
-_PRODUCT: Final = 16.0
+_PRODUCT: Final = 32.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
