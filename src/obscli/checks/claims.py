@@ -1,209 +1,195 @@
-"""Claims of a model file (``claims`` and ``expect``) checked exactly against the proved analysis.
+"""Claims of a model file (``claims`` and ``expect``) checked exactly, and held against the Gramian.
 
-A combination c is observable iff c N = 0; a direction d is unobservable iff S d = 0; a basis is complete
-iff its rows are observable, independent, and as many as the rank.
+The exact side decides. The Gramian confirms it, or contradicts it, which fails; where the exact side is
+undecided the Gramian can refute, but not prove.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
 
+from obscli.checks.counterexample import with_trajectories
+from obscli.checks.exact_claim import Exact, ExactClaim, direction_text, text_of
+from obscli.checks.witness import Testimony, Witness
 from obscli.core.check import CheckResult
 from obscli.core.place import Place
 from obscli.exact.analysis import Options, analyze
-from obscli.exact.echelon import PolyRow, polynomial_row, reduced_echelon
 from obscli.exact.errors import UndecidedError, UndefinedError
-from obscli.exact.exact_system import ExactSystem, Row, read_system
-from obscli.exact.field import Element
 from obscli.exact.finding import Analysis, Undecided
-from obscli.exact.nonzero import first_nonzero, require_independent
-from obscli.exact.rows import dot
 from obscli.model.expression import Expression
-from obscli.model.notation import covector_text, to_text
+from obscli.model.notation import to_text
 from obscli.model.specialise import Specialisation, at_nominal
 from obscli.model.system import Claim, Covector, Quantity, System
+from obscli.numeric.analysis import Numeric
+from obscli.numeric.errors import NotComputableError
 
 
-#: What a claim is compared with, and the replacement of parameters under which.
-_Ground: TypeAlias = "tuple[Analysis | Undecided, Specialisation]"
+#: Finds the Gramian of a system, or raises NotComputableError.
+Look: TypeAlias = Callable[[System], Numeric]
 
 
-def check_claims(system: System, analysis: Analysis) -> tuple[CheckResult, ...]:
+@dataclass(frozen=True, slots=True, eq=False)
+class Ground:
+    """What a claim is compared with: the analysis at its values, how to get there, and the Gramian there."""
+
+    analysis: Analysis | Undecided
+    special: Specialisation
+    witness: Witness | str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Assertion:
+    """One thing a claim says, and how each side judges it."""
+
+    text: str
+    place: Place
+    exact: Callable[[], Exact]
+    witness: Callable[[Witness], Testimony]
+
+
+def check_claims(
+    system: System, analysis: Analysis | Undecided, look: Look | None = None
+) -> tuple[CheckResult, ...]:
     """Check every claim of a system, each part by itself, in the order of the file.
 
     Parameters
     ----------
     system : the system with its claims
     analysis : its proved analysis at generic values
+    look : finds the Gramian of a system; None: exact algebra alone
     """
-    grounds: dict[str, _Ground] = {"": (analysis, Specialisation(system, {}))}
+    grounds: dict[str, Ground] = {}
     results: list[CheckResult] = []
     for claim in system.claims:
-        key = _where(claim.at)
+        key = where_text(claim.at)
         if key not in grounds:
-            grounds[key] = _specialised(system, claim)
-        results += _check_claim(claim, *grounds[key])
+            grounds[key] = _ground(system, analysis, claim, look)
+        results += _check_claim(claim, grounds[key])
     return tuple(results)
 
 
-def _where(at: object) -> str:
+def where_text(at: object) -> str:
+    """Return the values at which something is claimed, in words; empty for generic ones."""
     if isinstance(at, Mapping):
         return ", ".join(f"{name} = {to_text(value)}" for name, value in at.items())
     return "the file's values" if at == "nominal" else ""
 
 
-def _specialised(system: System, claim: Claim) -> _Ground:
+def _ground(system: System, generic: Analysis | Undecided, claim: Claim, look: Look | None) -> Ground:
+    if claim.at is None:
+        special = Specialisation(system, {})
+        return Ground(generic, special, _witness(system, generic, look))
     special = at_nominal(system) if claim.at == "nominal" else Specialisation(system, _values(claim))
-    return analyze(special.system(), Options(critical=False, certificate=False)), special
+    there = special.system()
+    analysis = analyze(there, Options(critical=False, certificate=False))
+    return Ground(analysis, special, _witness(there, analysis, look))
 
 
 def _values(claim: Claim) -> Mapping[str, Expression]:
     return claim.at if isinstance(claim.at, Mapping) else {}
 
 
-def _check_claim(
-    claim: Claim, ground: Analysis | Undecided, special: Specialisation
-) -> Iterator[CheckResult]:
-    suffix = f" at {where}" if (where := _where(claim.at)) else ""
-    if isinstance(ground, Undecided):
-        yield CheckResult(f"claim{suffix}", "undecided", ground.reason, claim.place)
-        return
+def _witness(system: System, analysis: Analysis | Undecided, look: Look | None) -> Witness | str:
+    """Return the Gramian at the values of the file, or why it says nothing about the claim."""
+    if look is None:
+        return ""
+    if isinstance(analysis, Analysis) and analysis.at_values.rank not in (None, analysis.rank):
+        return f"the Gramian is no witness: at the file's values the rank is {analysis.at_values.rank}"
     try:
-        yield from _Checker(claim, ground, special, suffix).results()
+        return Witness(look(system), analysis.rank if isinstance(analysis, Analysis) else None)
+    except NotComputableError as error:
+        return f"no Gramian: {error}"
+
+
+def _check_claim(claim: Claim, ground: Ground) -> Iterator[CheckResult]:
+    suffix = f" at {where}" if (where := where_text(claim.at)) else ""
+    try:
+        judge = (
+            ExactClaim(claim, ground.analysis, ground.special)
+            if isinstance(ground.analysis, Analysis)
+            else None
+        )
     except (UndecidedError, UndefinedError) as error:
         yield CheckResult(f"claim{suffix}", "undecided", str(error), claim.place)
+        return
+    reason = ground.analysis.reason if isinstance(ground.analysis, Undecided) else ""
+    for one in _assertions(claim, judge, ground.special, reason):
+        yield _judged(one, suffix, ground.witness)
+    for field, (_, place) in claim.other.items():
+        yield CheckResult(f"{field}{suffix}", "undecided", f"{field} is not checked yet", place)
 
 
-class _Checker:
-    """One claim against one analysis, all in one field."""
+def _assertions(
+    claim: Claim, judge: ExactClaim | None, special: Specialisation, reason: str
+) -> Iterator[Assertion]:
+    """Yield what a claim says, part by part."""
 
-    def __init__(self, claim: Claim, analysis: Analysis, special: Specialisation, suffix: str) -> None:
-        self.claim, self.analysis, self.suffix = claim, analysis, suffix
-        self.image = {id(q): special.covector(q.coefficients) for q in _quantities(claim)}
-        covectors = [
-            *self.image.values(),
-            *analysis.unobservable,
-            *(c.coefficients for c in analysis.combinations),
-        ]
-        self.exact: ExactSystem = read_system(analysis.system, [e for c in covectors for e in c.values()])
-        self.kernel = [self.exact.row(direction) for direction in analysis.unobservable]
-        self.basis = [self.exact.row(c.coefficients) for c in analysis.combinations]
+    def one(
+        text: str, place: Place, exact: Callable[[ExactClaim], Exact], witness: Callable[[Witness], Testimony]
+    ) -> Assertion:
+        decide = partial(exact, judge) if judge is not None else partial(Exact, "undecided", reason)
+        return Assertion(text, place, decide, witness)
 
-    def row(self, quantity: Quantity) -> dict[int, Element]:
-        """Return a claimed linear form, specialised, as field elements by column."""
-        return self.exact.row(self.image[id(quantity)])
+    def images(quantities: Iterable[Quantity]) -> list[Covector]:
+        return [special.covector(q.coefficients) for q in quantities]
 
-    def results(self) -> Iterator[CheckResult]:
-        """Yield the verdict on each part of the claim."""
-        claim = self.claim
-        if claim.rank is not None:
-            yield self._rank(claim.rank, claim.rank_place or claim.place)
-        if claim.basis is not None:
-            place = claim.basis[0].place if claim.basis else claim.place
-            text = f"these {len(claim.basis)} combinations are a complete basis (rank {self.analysis.rank})"
-            yield self._decide(text, partial(self._basis, claim.basis), place)
-        for q in claim.observable:
-            yield self._decide(f"{_text(q)} is observable", partial(self._observable, q), q.place)
-        for q in claim.unobservable:
-            yield self._decide(f"{_text(q)} is not observable", partial(self._unobservable, q), q.place)
-        for q in claim.directions:
-            yield self._decide(self._written(q), partial(self._direction, q), q.place)
-        for state, (verdict, place) in claim.states.items():
-            found = self.analysis.states.get(state, "not a state here")
-            yield self._verdict(f"{state} is {verdict}", found == verdict, f"it is {found}", place)
-        for field, (_, place) in claim.other.items():
-            yield CheckResult(f"{field}{self.suffix}", "undecided", f"{field} is not checked yet", place)
-
-    def _verdict(self, text: str, holds: object, reason: str, place: Place) -> CheckResult:
-        return CheckResult(
-            text + self.suffix, "holds" if holds else "fails", "proved exactly" if holds else reason, place
+    if claim.rank is not None:
+        exact, seen = (
+            partial(ExactClaim.rank, asserted=claim.rank),
+            partial(Witness.rank, asserted=claim.rank),
         )
-
-    def _decide(self, text: str, problem: Callable[[], str], place: Place) -> CheckResult:
-        """Return the verdict on a claim by what is wrong with it (empty: nothing), undecided where it is."""
-        try:
-            reason = problem()
-        except UndecidedError as error:
-            return CheckResult(text + self.suffix, "undecided", str(error), place)
-        return self._verdict(text, not reason, reason, place)
-
-    def _rank(self, rank: int, place: Place) -> CheckResult:
-        found = self.analysis.rank
-        return self._verdict(f"rank {rank}", found == rank, f"the rank is {found}", place)
-
-    def _unseen(self, quantity: Quantity) -> int | None:
-        """Return the first unobservable direction that a combination does not annihilate."""
-        row: Row = self.row(quantity)
-        products = [dot(self.exact.field, row, column) for column in self.kernel]
-        return first_nonzero(self.exact.interpreter, products)
-
-    def _unobservable(self, quantity: Quantity) -> str:
-        return "it is an observable combination" if self._unseen(quantity) is None else ""
-
-    def _observable(self, quantity: Quantity) -> str:
-        k = self._unseen(quantity)
-        if k is None:
-            return ""
-        direction = ", ".join(f"{s}: {to_text(e)}" for s, e in self.analysis.unobservable[k].items())
-        return f"not observable: it changes along the unobservable direction ({direction})"
-
-    def _basis(self, basis: tuple[Quantity, ...]) -> str:
-        problems = [f"{_text(q)} is {why}" for q in basis if (why := self._observable(q))]
-        return "; ".join(problems or self._incomplete(basis))
-
-    def _incomplete(self, basis: tuple[Quantity, ...]) -> list[str]:
-        independent: list[PolyRow] = []
-        problems = []
-        for q in basis:
-            rows = [*independent, self._polynomial_row(q)]
-            if len(reduced_echelon(self.exact.field, rows, range(self.exact.n))) < len(rows):
-                problems.append(f"{_text(q)} is superfluous: it depends on the rows above it")
-            else:
-                independent = rows
-        missing = self.analysis.rank - len(independent)
-        if not problems and not missing:
-            require_independent(self.exact.interpreter, [self.row(q) for q in basis])
-        if missing:
-            forgotten = self._forgotten(independent)
-            problems.append(f"{missing} forgotten, for example {forgotten}")
-        return problems
-
-    def _polynomial_row(self, quantity: Quantity) -> PolyRow:
-        return polynomial_row(self.exact.field, self.row(quantity))
-
-    def _forgotten(self, independent: list[PolyRow]) -> str:
-        """Return a combination of the proved basis that the claimed rows do not span."""
-        for combination, row in zip(self.analysis.combinations, self.basis, strict=True):
-            rows = [*independent, polynomial_row(self.exact.field, row)]
-            if len(reduced_echelon(self.exact.field, rows, range(self.exact.n))) == len(rows):
-                return _covector(combination.coefficients)
-        return "a combination of the proved basis"
-
-    def _direction(self, quantity: Quantity) -> str:
-        column = self.row(quantity)
-        if not column:
-            return "it is zero"
-        products = [dot(self.exact.field, row, column) for row in self.basis]
-        seen = first_nonzero(self.exact.interpreter, products)
-        if seen is None:
-            return ""
-        combination = _covector(self.analysis.combinations[seen].coefficients)
-        return f"the observable combination {combination} changes along it"
-
-    def _written(self, quantity: Quantity) -> str:
-        written = ", ".join(f"{s}: {to_text(e)}" for s, e in quantity.coefficients.items())
-        return f"direction ({written}) is unobservable"
+        yield one(f"rank {claim.rank}", claim.rank_place or claim.place, exact, seen)
+    if claim.basis is not None:
+        rows = claim.basis
+        size = f" (rank {judge.analysis.rank})" if judge else ""
+        text = f"these {len(rows)} combinations are a complete basis{size}"
+        place = rows[0].place if rows else claim.place
+        exact, seen = partial(ExactClaim.complete, basis=rows), partial(Witness.basis, covectors=images(rows))
+        yield one(text, place, exact, seen)
+    for q in claim.observable:
+        exact = partial(ExactClaim.observable, quantity=q)
+        yield one(
+            f"{text_of(q)} is observable", q.place, exact, partial(Witness.observable, covectors=images([q]))
+        )
+    for q in claim.unobservable:
+        exact = partial(ExactClaim.unobservable, quantity=q)
+        seen = partial(Witness.unobservable, covector=images([q])[0])
+        yield one(f"{text_of(q)} is not observable", q.place, exact, seen)
+    for q in claim.directions:
+        exact, seen = (
+            partial(ExactClaim.direction, quantity=q),
+            partial(Witness.direction, direction=images([q])[0]),
+        )
+        yield one(f"direction ({direction_text(q.coefficients)}) is unobservable", q.place, exact, seen)
+    for state, (verdict, place) in claim.states.items():
+        exact = partial(ExactClaim.state, name=state, verdict=verdict)
+        seen = partial(Witness.state, name=state, verdict=verdict)
+        yield one(f"{state} is {verdict}", place, exact, seen)
 
 
-def _quantities(claim: Claim) -> Iterable[Quantity]:
-    return [*(claim.basis or ()), *claim.observable, *claim.unobservable, *claim.directions]
-
-
-def _text(quantity: Quantity) -> str:
-    return quantity.text or quantity.name or _covector(quantity.coefficients)
-
-
-def _covector(covector: Covector) -> str:
-    return covector_text(covector, tuple(covector))
+def _judged(one: Assertion, suffix: str, witness: Witness | str) -> CheckResult:
+    """Put the verdicts of both sides together."""
+    try:
+        exact = one.exact()
+    except UndecidedError as error:
+        exact = Exact("undecided", str(error))
+    testimony = Testimony("silent", witness) if isinstance(witness, str) else one.witness(witness)
+    verdict, reason = exact.verdict, exact.reason
+    if testimony.word == "denies" and verdict != "fails":
+        start = f"undecided exactly ({reason}); " if verdict == "undecided" else f"{reason}, but "
+        verdict, reason = "fails", start + testimony.words
+    elif testimony.words:
+        reason = "; ".join(part for part in (reason, testimony.words) if part)
+    return CheckResult(
+        claim=one.text + suffix,
+        verdict=verdict,
+        reason=reason,
+        place=one.place,
+        gramian=testimony.indicator,
+        corrections=exact.corrections,
+        counterexample=with_trajectories(exact, witness),
+        transformation=exact.transformation,
+    )

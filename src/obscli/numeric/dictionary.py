@@ -1,4 +1,4 @@
-"""What a coefficient may be made of: functions of time and monomials of parameters, taken from the model itself.
+"""What a coefficient may be made of: functions of time and monomials of parameters, all from the model.
 
 Functions of time: 1, t, t², sin and cos of every angle in A and H, of its double, of sums and differences of
 two, its tangent; exponentials and their inverses; roots, powers and logarithms that the model contains, and
@@ -59,11 +59,17 @@ def functions_of_time(system: System) -> list[Expression]:
     roots = [*system.A.entries.values(), *system.H.entries.values()]
     moving = {system.time} | {one.name for one in system.functions}
     nodes = [node for node in postorder(*roots) if symbols(node) & moving]
-    angles = _distinct(n.argument for n in nodes if isinstance(n, Apply) and n.function in {"sin", "cos", "tan"})
+    angles = _distinct(
+        n.argument for n in nodes if isinstance(n, Apply) and n.function in {"sin", "cos", "tan"}
+    )
     doubled = [multiply(number(2), one) for one in angles]
     mixed = [sign for a, b in combinations(angles, 2) for sign in (add(a, b), add(a, negate(b)))]
     waves = [Apply(f, one) for one in (*angles, *doubled, *mixed) for f in ("sin", "cos")]
-    others = [n for n in nodes if isinstance(n, Power) or (isinstance(n, Apply) and n.function not in {"sin", "cos"})]
+    others = [
+        n
+        for n in nodes
+        if isinstance(n, Power) or (isinstance(n, Apply) and n.function not in {"sin", "cos"})
+    ]
     named = [Symbol(one.name) for one in system.functions]
     growing = [one for n in (*others, *named) for one in (n, power(n, -1))]
     tangents = [Apply("tan", one) for one in angles]
@@ -77,11 +83,7 @@ def monomials(system: System, constants: dict[str, float]) -> list[Monomial]:
     """Return the monomials of the parameters, the simplest first."""
     roots = [*system.A.entries.values(), *system.H.entries.values()]
     moving = {system.time} | {one.name for one in system.functions}
-    steady = [
-        n
-        for n in postorder(*roots)
-        if isinstance(n, Apply) and symbols(n) and not symbols(n) & moving
-    ]
+    steady = [n for n in postorder(*roots) if isinstance(n, Apply) and symbols(n) and not symbols(n) & moving]
     angles = _distinct(n.argument for n in steady if n.function in {"sin", "cos"})
     used = symbols(*roots)
     atoms: list[Expression] = [Symbol(one.name) for one in system.parameters if one.name in used]
@@ -119,7 +121,9 @@ def _distinct(expressions: Iterator[Expression] | Sequence[Expression]) -> list[
     return list({to_text(one): one for one in expressions}.values())
 
 
-def independent(functions: Sequence[Expression], values: Sequence[Value], count: int) -> tuple[list[Expression], Array]:
+def independent(
+    functions: Sequence[Expression], values: Sequence[Value], count: int
+) -> tuple[list[Expression], Array]:
     """Return the functions that are finite at all instants and not multiples of an earlier one, with values.
 
     Returns
@@ -140,4 +144,3 @@ def independent(functions: Sequence[Expression], values: Sequence[Value], count:
             columns.append(column)
             units.append(unit)
     return kept, np.array(columns).T.reshape(count, len(kept))
-

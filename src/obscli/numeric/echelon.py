@@ -4,9 +4,9 @@ With a kernel basis N normalised to the identity on the free states f, the row o
 
     s_p = x_p + Σ_f c_pf x_f,    c_pf = −N_pf,
 
-and an entry is wrong by at most ‖s_p D M⁺‖ |ΔM D⁻¹ N_f| (as in ``leak``): what does not exceed that is cleaned
-to zero. Pivots are sought from the first state to the last, at the instant that is best determined, and kept
-for all instants, so that every coefficient is a function of time.
+and an entry is wrong by at most ‖s_p D M⁺‖ |ΔM D⁻¹ N_f| (as in ``leak``): what does not exceed that is set
+to zero. Pivots are sought from the first state to the last, where they are clearest, and kept for all
+instants, so that every coefficient is a function of time.
 
 References
 ----------
@@ -55,8 +55,7 @@ class EchelonCurves:
     @cached_property
     def present(self) -> Flags:
         """Which coefficients differ from zero at some instant, shape (r, q)."""
-        found: Flags = (np.abs(self.coefficients) > _CLEAR * self.errors).any(axis=0)
-        return found
+        return np.asarray((np.abs(self.coefficients) > _CLEAR * self.errors).any(axis=0))
 
     @cached_property
     def cleaned(self) -> Array:
@@ -113,7 +112,10 @@ def _tilt(spaces: Subspaces) -> Array:
 def _best_pivots(spaces: Subspaces, used: Counts) -> Counts | None:
     """Return the pivots found most clearly among some instants, None where they are clear at none."""
     tilt = _tilt(spaces)
-    tried = {int(used[np.argmin(tilt[used])]), *(int(used[k]) for k in np.linspace(0, len(used) - 1, 6, dtype=int))}
+    tried = {
+        int(used[np.argmin(tilt[used])]),
+        *(int(used[k]) for k in np.linspace(0, len(used) - 1, 6, dtype=int)),
+    }
     found = [_pivots(spaces, i, float(tilt[i])) for i in sorted(tried)]
     clear, pivots = max(found, key=lambda one: one[0])
     return pivots if clear > _INDEPENDENT and len(pivots) == spaces.rank[used[0]] else None
@@ -127,7 +129,8 @@ def _pivots(spaces: Subspaces, i: int, tilt: float) -> tuple[float, Counts]:
     """
     columns = spaces.right[i, : spaces.rank[i]].copy()
     error = np.full(spaces.n, tilt)
-    found, clear = [], np.inf
+    found: list[int] = []
+    clear = np.inf
     for j in range(spaces.n):
         size = float(np.linalg.norm(columns[:, j]))
         if len(found) == len(columns) or size <= _INDEPENDENT * error[j]:

@@ -1,9 +1,9 @@
 """The analytic form of a coefficient guessed from its values in time (the papers' "try to guess").
 
-The curve is fitted by as few functions of the dictionary as possible, on two thirds of the instants; it has to
-agree within its error on the third held back as well. The amplitudes are then looked up among the monomials of
-the parameters (and sums of two). A form is *not identified* where nothing fits, where another form as simple
-fits too, or where a look-up would succeed by chance.
+The curve is fitted by as few functions of the dictionary as possible, on two thirds of the instants; it has
+to agree within its error on the third held back as well. Amplitudes are then looked up among the monomials of
+the parameters (and sums of two). A form is *not identified* where nothing fits, or where another form as
+simple fits too; an amplitude stays a number where a look-up could succeed by chance.
 
 References
 ----------
@@ -24,7 +24,7 @@ from obscli.model.expression import Expression, add, multiply, negate, number
 from obscli.numeric.dictionary import Monomial, functions_of_time, independent, monomials
 from obscli.numeric.echelon import EchelonCurves
 from obscli.numeric.numeric_system import NumericSystem
-from obscli.numeric.program import Array, Program
+from obscli.numeric.program import Array, Flags, Program
 
 
 _MOST_TERMS: Final = 3
@@ -43,7 +43,7 @@ _SCREENED: Final = 6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Guess:
-    """A guessed form: ``residual`` of the fit and ``held_back``, largest over the instants, relative to the curve.
+    """A guessed form: ``residual`` of the fit and ``held_back``, largest, relative to the curve.
 
     ``expression`` is None where the form is not identified; ``reason`` says why.
     """
@@ -102,11 +102,13 @@ class Identifier:
                 return self._named(fits[0], size)
         return Guess(None, reason="no form of the dictionary fits")
 
-    def _fits(self, curve: Array, error: Array, known: Array, count: int) -> list[_Fit]:
+    def _fits(self, curve: Array, error: Array, known: Flags, count: int) -> list[_Fit]:
         """Return the fits with so many functions that agree everywhere, also where held back."""
         train = known & ~self._held
         found = []
-        for columns in self._screened(curve[train] / error[train], self._values[train] / error[train, None], count):
+        for columns in self._screened(
+            curve[train] / error[train], self._values[train] / error[train, None], count
+        ):
             basis = self._values[:, columns]
             weighted = basis[train] / error[train, None]
             amplitudes, *_ = np.linalg.lstsq(weighted, curve[train] / error[train], rcond=None)
@@ -117,7 +119,13 @@ class Identifier:
                 size = np.abs(curve).max()
                 held = known & self._held
                 found.append(
-                    _Fit(columns, amplitudes, spread, float(off[train].max() / size), float(off[held].max() / size))
+                    _Fit(
+                        columns,
+                        amplitudes,
+                        spread,
+                        float(off[train].max() / size),
+                        float(off[held].max() / size),
+                    )
                 )
         return found
 
@@ -131,7 +139,9 @@ class Identifier:
         if not len(sets):
             return []
         matrices = gram[sets[:, :, None], sets[:, None, :]] + 1e-13 * np.eye(count)
-        explained = np.einsum("ka,ka->k", moment[sets], np.linalg.solve(matrices, moment[sets][..., None])[..., 0])
+        explained = np.einsum(
+            "ka,ka->k", moment[sets], np.linalg.solve(matrices, moment[sets][..., None])[..., 0]
+        )
         best = np.argsort(-explained, kind="stable")[:_SCREENED]
         return [tuple(int(c) for c in sets[k]) for k in best]
 
@@ -144,7 +154,7 @@ class Identifier:
         return Guess(add(*terms), fit.residual, fit.held_back)
 
     def _amplitude(self, a: float, tolerance: float) -> Expression:
-        """Return a as a monomial, or a sum of two, where exactly one simple enough is so close; else its digits."""
+        """Return a as a monomial, or a sum of two, where just one simple one is so close; else its digits."""
         found = self._monomial(a, tolerance)
         if found is None:
             found = self._sum(a, tolerance)
@@ -167,7 +177,11 @@ class Identifier:
             for sign in (1, -1):
                 rest = a - sign * first.value
                 if abs(rest) > 10 * tolerance:
-                    hits += [(sign, first, other, rest) for other in self._near(rest, tolerance) if other.degree <= 2]
+                    hits += [
+                        (sign, first, other, rest)
+                        for other in self._near(rest, tolerance)
+                        if other.degree <= 2
+                    ]
         pairs = {frozenset((id(first), id(other))) for _, first, other, _ in hits}
         if len(pairs) != 1 or len(simple) ** 2 * tolerance / min(abs(hits[0][3]), abs(a)) > _CHANCE:
             return None

@@ -1,0 +1,170 @@
+"""A basis of observable combinations held against the Gramian: χ, the rank check, and what they mean.
+
+At every instant t_i, with r rows and q_i the dimension of the kernel of W(t_i, t0), χ_i has to stay below
+its bound and r + q_i has to be n. Instants at which the Gramian does not show the whole rank yet cannot tell.
+
+References
+----------
+V. M. Morozov, F. Yu. Baklanov (2018), verification of an analytic result, steps 4 and 5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from obscli.checks.diagnosis import Seen, diagnose
+from obscli.checks.witness import CERTAIN, Witness
+from obscli.model.system import Covector
+from obscli.numeric.leak import Leak
+from obscli.numeric.program import Array, Flags
+
+
+Agreement: TypeAlias = Literal["verified", "contradicted", "undecided"]
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """One instant: r rows, kernel of dimension q, χ and its bound (None: nothing to compare), the gap of q.
+
+    ``conclusive``: the rank is decided and is the whole rank; ``agrees``: χ is below its bound and r + q = n.
+    """
+
+    t: float
+    r: int
+    q: int
+    chi: float | None
+    bound: float | None
+    gap: float | None
+    conclusive: bool
+    agrees: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CombinationCheck:
+    """One combination: its worst χ and the bound there; whether it holds, None where that cannot be told."""
+
+    covector: Covector
+    chi: float | None
+    bound: float | None
+    holds: bool | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Verification:
+    """A basis against the Gramian: the verdict, every instant and combination, the paper's diagnosis."""
+
+    verdict: Agreement
+    reason: str
+    diagnosis: str
+    points: tuple[Point, ...]
+    combinations: tuple[CombinationCheck, ...]
+
+    @property
+    def agree(self) -> int:
+        """At how many instants the Gramian agrees."""
+        return sum(point.agrees for point in self.points)
+
+    @property
+    def worst(self) -> Point | None:
+        """The conclusive instant with the largest χ, None where there is nothing to compare."""
+        known = [point for point in self.points if point.conclusive and point.chi is not None]
+        return max(known, key=lambda point: point.chi or 0.0, default=None)
+
+
+def verify_basis(witness: Witness, basis: Sequence[Covector]) -> Verification:
+    """Return what the Gramian says of a basis.
+
+    Parameters
+    ----------
+    witness : the Gramian, with the exact rank where it is known
+    basis : the rows s_k as linear forms
+    """
+    spaces = witness.numeric.spaces
+    leak, conclusive = witness.leak(basis), witness.conclusive
+    ratio = _ratio(leak)
+    worst = ratio.max(axis=1, initial=0.0)
+    fits = len(basis) == spaces.rank
+    agrees = conclusive & fits & (worst <= 1)
+    points = tuple(_point(witness, leak, i, len(basis), conclusive[i], agrees[i]) for i in range(len(worst)))
+    seen = Seen(
+        count=len(points),
+        conclusive=int(conclusive.sum()),
+        leaking=int((worst[conclusive] > 1).sum()),
+        surely=bool((worst[conclusive] > CERTAIN).any()),
+        rows=len(basis),
+        kernel=spaces.n - int(np.median(spaces.rank[conclusive])) if conclusive.any() else None,
+        n=spaces.n,
+        above=_above(witness),
+        expected=witness.expected,
+    )
+    verdict, reason = _verdict(seen, int(agrees.sum()))
+    return Verification(
+        verdict, reason, diagnose(seen), points, _combinations(basis, leak, ratio, conclusive)
+    )
+
+
+def _ratio(leak: Leak) -> Array:
+    """Return χ over its bound, 0 where a row has no direction."""
+    with np.errstate(invalid="ignore"):
+        return np.where(np.isfinite(leak.chi), leak.chi / np.maximum(leak.bound, 1e-300), 0.0)
+
+
+def _above(witness: Witness) -> int | None:
+    """Return a rank decided at some instant that is above the exact one, None where there is none."""
+    spaces = witness.numeric.spaces
+    ranks = spaces.rank[spaces.decided]
+    if witness.expected is None or not ranks.size or ranks.max() <= witness.expected:
+        return None
+    return int(ranks.max())
+
+
+def _verdict(seen: Seen, agree: int) -> tuple[Agreement, str]:
+    if seen.above is not None:
+        return "contradicted", f"the Gramian shows rank {seen.above}, above the exact rank {seen.expected}"
+    if not seen.conclusive:
+        shows = "does not show the whole rank" if seen.expected is not None else "decides no rank"
+        return "undecided", f"the Gramian {shows} at any instant; a longer interval may"
+    if seen.surely or seen.kernel is None or seen.rows + seen.kernel != seen.n:
+        return "contradicted", "χ or the rank check speaks against it"
+    if seen.leaking:
+        return "undecided", "χ exceeds its bound slightly at some instants"
+    return "verified", f"the Gramian agrees at {agree} of {seen.count} instants"
+
+
+def _point(witness: Witness, leak: Leak, i: int, r: int, conclusive: bool, agrees: bool) -> Point:  # noqa: FBT001
+    spaces = witness.numeric.spaces
+    q = spaces.n - int(spaces.rank[i])
+    known = np.isfinite(leak.chi[i])
+    compared = q > 0 and known.any()
+    k = int(np.argmax(np.where(known, leak.chi[i], -1.0))) if compared else 0
+    gap = float(spaces.gap[i])
+    return Point(
+        t=float(spaces.instants[i]),
+        r=r,
+        q=q,
+        chi=float(leak.chi[i, k]) if compared else None,
+        bound=float(leak.bound[i, k]) if compared else None,
+        gap=None if np.isnan(gap) else gap,
+        conclusive=bool(conclusive),
+        agrees=bool(agrees),
+    )
+
+
+def _combinations(
+    basis: Sequence[Covector], leak: Leak, ratio: Array, conclusive: Flags
+) -> tuple[CombinationCheck, ...]:
+    found = []
+    for k, covector in enumerate(basis):
+        where = np.flatnonzero(conclusive & np.isfinite(leak.chi[:, k]))
+        if not where.size:
+            found.append(CombinationCheck(covector, None, None, None))
+            continue
+        over = ratio[where, k]
+        i = where[over.argmax()] if over.max() > 1 else where[leak.chi[where, k].argmax()]
+        holds = True if over.max() <= 1 else False if over.max() > CERTAIN else None
+        found.append(CombinationCheck(covector, float(leak.chi[i, k]), float(leak.bound[i, k]), holds))
+    return tuple(found)

@@ -1,0 +1,65 @@
+"""A solution of x' = A x followed from a given state, and how much of it the outputs show.
+
+x(b) = Φ(a, b)⁻¹ x(a)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from obscli.numeric.analysis import Numeric
+from obscli.numeric.program import Array
+from obscli.numeric.settings import Effort
+from obscli.numeric.transition import edges_of, longest_step, panels
+
+
+_STEP_ERROR: Final = 1e-12
+_MOST_STEPS: Final = 20_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trajectory:
+    """States (k, n) at instants (k,); ``output``: max |H x| relative to |H| |x|."""
+
+    instants: Array
+    states: Array
+    output: float
+
+
+def follow(numeric: Numeric, initial: Array, count: int) -> Trajectory:
+    """Return the solution through a state at the start of the interval.
+
+    Parameters
+    ----------
+    initial : x(t0), shape (n,)
+    count : at how many instants, evenly from t0 to the end, at least two
+
+    Raises
+    ------
+    NotComputableError
+        where the steps would be too many
+    """
+    system, horizon = numeric.system, numeric.horizon
+    instants = np.linspace(horizon.start, horizon.stop, count)
+    x = np.array(initial, dtype=float)
+    states = [x]
+    edges = edges_of(horizon.start, instants[1:], longest_step(numeric.rates))
+    for piece in panels(system, edges, Effort(_STEP_ERROR, _MOST_STEPS)):
+        for end, rows in zip(piece.ends, piece.transition, strict=True):
+            phi = np.eye(system.n)
+            phi[system.moving] = rows
+            x = np.linalg.solve(phi, x)
+            if end == instants[len(states)]:
+                states.append(x)
+    return Trajectory(instants, np.array(states), _seen(system.coefficients(instants).H, np.array(states)))
+
+
+def _seen(H: Array, states: Array) -> float:
+    """Return the largest |H x| relative to |H| |x|."""
+    outputs = np.abs(np.einsum("kmn,kn->km", H, states))
+    size = np.einsum("kmn,kn->km", np.abs(H), np.abs(states))
+    largest = float(size.max(initial=0.0))
+    return float(outputs.max(initial=0.0)) / largest if largest else 0.0
