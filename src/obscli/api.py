@@ -16,9 +16,9 @@ from typing import TypeAlias
 from obscli.core.report import Report
 from obscli.model.system import Model
 from obscli.pipelines import analyze as analyze_pipeline
-from obscli.pipelines import verify as verify_pipeline
+from obscli.pipelines import verify_report
 from obscli.pipelines.reading import load as load_changed
-from obscli.pipelines.request import AnalyzeRequest, Changes, Progress, silent
+from obscli.pipelines.request import AnalyzeRequest, Changes, NumericRequest, Progress, silent
 from obscli.render.format import Surface
 
 
@@ -47,7 +47,7 @@ class AnalyzeReport(analyze_pipeline.AnalyzeReport, Shown):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class VerifyReport(verify_pipeline.VerifyReport, Shown):
+class VerifyReport(verify_report.VerifyReport, Shown):
     """What ``verify`` checked: ``results``, one a stage, each with ``checks``; ``failed``; ``undecided``."""
 
 
@@ -110,17 +110,21 @@ def verify(
     *models: Source,
     stages: Iterable[str] = (),
     claims: Iterable[str] = (),
+    numeric: NumericRequest = NumericRequest(),  # noqa: B008 - frozen and empty
     progress: Progress = silent,
 ) -> VerifyReport:
-    """Check what models claim, and every certificate of their analysis.
+    """Check what models claim, every certificate of their analysis, and both against the Gramian.
 
     Parameters
     ----------
     models : model files, or models read before
     stages : only these stages; none: all
     claims : further combinations asserted to be observable, ``"b_g1 - omega*M_g21"``
+    numeric : instants, method, accuracy and scaling of the Gramian
     progress : told what is being done
     """
+    from obscli.pipelines.verify import verify as run  # noqa: PLC0415 - floating point only where it is used
+
     read = [model if isinstance(model, Model) else load_changed(model) for model in models]
-    found = verify_pipeline.verify(read, tuple(stages), tuple(claims), progress)
+    found = run(read, tuple(stages), tuple(claims), numeric, progress)
     return VerifyReport(found.results)

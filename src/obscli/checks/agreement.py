@@ -11,77 +11,26 @@ V. M. Morozov, F. Yu. Baklanov (2018), verification of an analytic result, steps
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal, TypeAlias
 
 import numpy as np
 
 from obscli.checks.diagnosis import Seen, diagnose
 from obscli.checks.witness import CERTAIN, Witness
+from obscli.core.verification import Agreement, CombinationCheck, Point, Verification
+from obscli.model.notation import covector_text
 from obscli.model.system import Covector
 from obscli.numeric.leak import Leak
 from obscli.numeric.program import Array, Flags
 
 
-Agreement: TypeAlias = Literal["verified", "contradicted", "undecided"]
-
-
-@dataclass(frozen=True, slots=True)
-class Point:
-    """One instant: r rows, kernel of dimension q, χ and its bound (None: nothing to compare), the gap of q.
-
-    ``conclusive``: the rank is decided and is the whole rank; ``agrees``: χ is below its bound and r + q = n.
-    """
-
-    t: float
-    r: int
-    q: int
-    chi: float | None
-    bound: float | None
-    gap: float | None
-    conclusive: bool
-    agrees: bool
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CombinationCheck:
-    """One combination: its worst χ and the bound there; whether it holds, None where that cannot be told."""
-
-    covector: Covector
-    chi: float | None
-    bound: float | None
-    holds: bool | None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Verification:
-    """A basis against the Gramian: the verdict, every instant and combination, the paper's diagnosis."""
-
-    verdict: Agreement
-    reason: str
-    diagnosis: str
-    points: tuple[Point, ...]
-    combinations: tuple[CombinationCheck, ...]
-
-    @property
-    def agree(self) -> int:
-        """At how many instants the Gramian agrees."""
-        return sum(point.agrees for point in self.points)
-
-    @property
-    def worst(self) -> Point | None:
-        """The conclusive instant with the largest χ, None where there is nothing to compare."""
-        known = [point for point in self.points if point.conclusive and point.chi is not None]
-        return max(known, key=lambda point: point.chi or 0.0, default=None)
-
-
-def verify_basis(witness: Witness, basis: Sequence[Covector]) -> Verification:
+def verify_basis(witness: Witness, basis: Sequence[Covector], texts: Sequence[str] = ()) -> Verification:
     """Return what the Gramian says of a basis.
 
     Parameters
     ----------
     witness : the Gramian, with the exact rank where it is known
     basis : the rows s_k as linear forms
+    texts : how the rows are written; none: as obscli writes them
     """
     spaces = witness.numeric.spaces
     leak, conclusive = witness.leak(basis), witness.conclusive
@@ -102,9 +51,10 @@ def verify_basis(witness: Witness, basis: Sequence[Covector]) -> Verification:
         expected=witness.expected,
     )
     verdict, reason = _verdict(seen, int(agrees.sum()))
-    return Verification(
-        verdict, reason, diagnose(seen), points, _combinations(basis, leak, ratio, conclusive)
-    )
+    names = witness.numeric.system.system.state_names
+    texts = texts or [covector_text(one, names) for one in basis]
+    combinations = _combinations(texts, leak, ratio, conclusive)
+    return Verification(verdict, reason, diagnose(seen), spaces.n, points, combinations)
 
 
 def _ratio(leak: Leak) -> Array:
@@ -155,16 +105,16 @@ def _point(witness: Witness, leak: Leak, i: int, r: int, conclusive: bool, agree
 
 
 def _combinations(
-    basis: Sequence[Covector], leak: Leak, ratio: Array, conclusive: Flags
+    texts: Sequence[str], leak: Leak, ratio: Array, conclusive: Flags
 ) -> tuple[CombinationCheck, ...]:
     found = []
-    for k, covector in enumerate(basis):
+    for k, text in enumerate(texts):
         where = np.flatnonzero(conclusive & np.isfinite(leak.chi[:, k]))
         if not where.size:
-            found.append(CombinationCheck(covector, None, None, None))
+            found.append(CombinationCheck(text, None, None, None))
             continue
         over = ratio[where, k]
         i = where[over.argmax()] if over.max() > 1 else where[leak.chi[where, k].argmax()]
         holds = True if over.max() <= 1 else False if over.max() > CERTAIN else None
-        found.append(CombinationCheck(covector, float(leak.chi[i, k]), float(leak.bound[i, k]), holds))
+        found.append(CombinationCheck(text, float(leak.chi[i, k]), float(leak.bound[i, k]), holds))
     return tuple(found)

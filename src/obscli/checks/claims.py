@@ -7,15 +7,17 @@ undecided the Gramian can refute, but not prove.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias
 
+from obscli.checks.agreement import verify_basis
 from obscli.checks.counterexample import with_trajectories
 from obscli.checks.exact_claim import Exact, ExactClaim, direction_text, text_of
 from obscli.checks.witness import Testimony, Witness
 from obscli.core.check import CheckResult
 from obscli.core.place import Place
+from obscli.core.verification import Verification
 from obscli.exact.analysis import Options, analyze
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.finding import Analysis, Undecided
@@ -48,6 +50,7 @@ class Assertion:
     place: Place
     exact: Callable[[], Exact]
     witness: Callable[[Witness], Testimony]
+    basis: tuple[Quantity, ...] = ()
 
 
 def check_claims(
@@ -117,7 +120,10 @@ def _check_claim(claim: Claim, ground: Ground) -> Iterator[CheckResult]:
         return
     reason = ground.analysis.reason if isinstance(ground.analysis, Undecided) else ""
     for one in _assertions(claim, judge, ground.special, reason):
-        yield _judged(one, suffix, ground.witness)
+        found = _judged(one, suffix, ground.witness)
+        if one.basis and isinstance(ground.witness, Witness):
+            found = replace(found, verification=_verified(one.basis, ground, found))
+        yield found
     for field, (_, place) in claim.other.items():
         yield CheckResult(f"{field}{suffix}", "undecided", f"{field} is not checked yet", place)
 
@@ -148,7 +154,7 @@ def _assertions(
         text = f"these {len(rows)} combinations are a complete basis{size}"
         place = rows[0].place if rows else claim.place
         exact, seen = partial(ExactClaim.complete, basis=rows), partial(Witness.basis, covectors=images(rows))
-        yield one(text, place, exact, seen)
+        yield replace(one(text, place, exact, seen), basis=rows)
     for q in claim.observable:
         exact = partial(ExactClaim.observable, quantity=q)
         yield one(
@@ -168,6 +174,18 @@ def _assertions(
         exact = partial(ExactClaim.state, name=state, verdict=verdict)
         seen = partial(Witness.state, name=state, verdict=verdict)
         yield one(f"{state} is {verdict}", place, exact, seen)
+
+
+def _verified(basis: tuple[Quantity, ...], ground: Ground, found: CheckResult) -> Verification | None:
+    """Return a claimed basis against the Gramian, each false row with its correction."""
+    if isinstance(ground.witness, str):
+        return None
+    rows = [ground.special.covector(q.coefficients) for q in basis]
+    texts = [text_of(q) for q in basis]
+    verified = verify_basis(ground.witness, rows, texts)
+    of = {change.of: change.corrected for change in reversed(found.corrections)}
+    combinations = tuple(replace(one, correction=of.get(one.expression, "")) for one in verified.combinations)
+    return replace(verified, combinations=combinations)
 
 
 def _judged(one: Assertion, suffix: str, witness: Witness | str) -> CheckResult:

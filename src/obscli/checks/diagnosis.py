@@ -37,8 +37,8 @@ def diagnose(seen: Seen) -> str:
     """Return the diagnosis in words."""
     if seen.above is not None:
         return (
-            f"The Gramian shows {seen.above} directions far above its tolerance, algebra {seen.expected}: one "
-            "of the two sides is wrong. Please report it."
+            f"The Gramian shows {seen.above} directions far above its tolerance, algebra {seen.expected}: "
+            "one of the two sides is wrong. Please report it."
         )
     if seen.kernel is None:
         return "At no instant does the Gramian show the whole rank: nothing can be said."

@@ -154,7 +154,7 @@ class ExactClaim:
         corrected = covector_text(one.corrected, states)
         before = self.image[id(quantity)]
         words = "; ".join(_changed(state, before, one.corrected) for state in one.change)
-        return Change(covector_text(one.change, states), corrected, words)
+        return Change(text_of(quantity), covector_text(one.change, states), corrected, words)
 
     def _incomplete(self, basis: tuple[Quantity, ...]) -> list[str]:
         independent: list[PolyRow] = []

@@ -6,7 +6,7 @@ prove, what agrees: a rank below what it shows, a combination that leaks into it
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, Literal, TypeAlias
@@ -60,6 +60,11 @@ class Witness:
         """Return χ of combinations and its bound at every instant."""
         rows, errors = self.numeric.system.covectors(covectors, self.numeric.horizon.instants)
         return leak_of(self.numeric.spaces, rows, errors)
+
+    def vanishes(self, covectors: Sequence[Covector]) -> bool:
+        """Whether a combination is zero, or does not exist, at all instants."""
+        rows, _ = self.numeric.system.covectors(covectors, self.numeric.horizon.instants)
+        return bool((~np.isfinite(rows).all(axis=2) | ~rows.any(axis=2)).all(axis=0).any())
 
     def rank(self, asserted: int) -> Testimony:
         """Say whether the rank is the one asserted."""
@@ -123,11 +128,12 @@ class Witness:
         if found is None:
             return Testimony("silent", self._inconclusive())
         if found[name] == verdict:
-            return Testimony("agrees", "the Gramian agrees")
+            agree = Indicator(int(self.conclusive.sum()), len(self.conclusive))
+            return Testimony("agrees", f"the Gramian agrees {at_instants(agree)}", agree)
         return Testimony("silent", f"the Gramian shows {name} as {found[name]}")
 
     @cached_property
-    def _states(self) -> dict[str, str] | None:
+    def _states(self) -> Mapping[str, str] | None:
         """The verdict on every state as the Gramian sees it, None where it is not conclusive."""
         if self.expected is not None and self.numeric.rank != self.expected:
             return None

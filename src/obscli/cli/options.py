@@ -11,7 +11,9 @@ from obscli.render.formats import FORMATS
 
 
 FORMAT_NAMES: Final = tuple(one.name for one in FORMATS)
-ONLY: Final = ("analytic",)
+ONLY: Final = ("analytic", "numeric", "verify")
+METHODS: Final = ("square-root", "lyapunov", "quadrature")
+SCALINGS: Final = ("automatic", "scale", "prior", "none")
 
 
 def _one_of(names: tuple[str, ...], given: str) -> str:
@@ -29,8 +31,20 @@ def _known_check_format(given: str) -> str:
 
 
 def _known_pipeline(given: str | None) -> str | None:
-    if given not in (None, *ONLY):
-        raise typer.BadParameter(f"{given!r} is not available yet; there is: {', '.join(ONLY)}")
+    return None if given is None else _one_of(ONLY, given)
+
+
+def _known_method(given: str) -> str:
+    return _one_of(METHODS, given)
+
+
+def _known_scaling(given: str | None) -> str | None:
+    return None if given is None else _one_of(SCALINGS, given)
+
+
+def _step_error(given: float | None) -> float | None:
+    if given is not None and not 1e-16 < given < 0.1:
+        raise typer.BadParameter(f"{given:g} is no step error: between 1e-16 and 0.1")
     return given
 
 
@@ -94,7 +108,61 @@ DetailsOption: TypeAlias = Annotated[
 ]
 OnlyOption: TypeAlias = Annotated[
     str | None,
-    typer.Option("--only", callback=_known_pipeline, metavar="analytic", help="Run only this pipeline."),
+    typer.Option(
+        "--only",
+        callback=_known_pipeline,
+        metavar="|".join(ONLY),
+        help="Exact algebra alone, the Gramian alone (no algebra), or only how the two compare.",
+    ),
+]
+FromOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option("--from", metavar="T0", help="Start of the interval of the Gramian, instead of the file's."),
+]
+ToOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option("--to", metavar="T", help="End of the interval; an expression such as 2*pi/omega will do."),
+]
+SamplesOption: TypeAlias = Annotated[
+    int | None,
+    typer.Option("--samples", min=1, max=100_000, metavar="N", help="Number of instants in the interval."),
+]
+TimesOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option("--times", metavar="T1,T2,…", help="Exactly these instants (repeatable)."),
+]
+GramianOption: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        "--gramian",
+        callback=_known_method,
+        metavar="|".join(METHODS),
+        help="Its square root by QR (well-conditioned), its differential equation as in the papers, or its "
+        "definition summed.",
+    ),
+]
+RtolOption: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        "--rtol",
+        callback=_step_error,
+        metavar="X",
+        help="Relative step error. Default: 1e-14; lyapunov 1e-10.",
+    ),
+]
+ScalingOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--scaling",
+        callback=_known_scaling,
+        metavar="|".join(SCALINGS),
+        help="Units of the states in which the rank is decided. Default: the file's `scale` if it gives all, "
+        "else automatic.",
+    ),
+]
+PlotOption: TypeAlias = Annotated[
+    Path | None,
+    typer.Option("--plot", metavar="DIR", help="Draw figures into DIR, as SVG and PNG."),
 ]
 StrictOption: TypeAlias = Annotated[
     bool,

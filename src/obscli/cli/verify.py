@@ -8,13 +8,29 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from obscli.cli.errors import CommandError
-from obscli.cli.options import CheckFormatOption, OutputOption, StageOption, StrictOption
+from obscli.cli.options import (
+    CheckFormatOption,
+    DetailsOption,
+    FromOption,
+    GramianOption,
+    OutputOption,
+    PlotOption,
+    RtolOption,
+    SamplesOption,
+    ScalingOption,
+    SetOption,
+    StageOption,
+    StrictOption,
+    TimesOption,
+    ToOption,
+)
+from obscli.cli.texts import pairs
 
 
 if TYPE_CHECKING:
     from obscli.core.report import Report
     from obscli.model.system import Model
-    from obscli.pipelines.request import Progress
+    from obscli.pipelines.request import NumericRequest, Progress
 
 
 def verify(  # noqa: PLR0913 - one parameter an option
@@ -42,12 +58,24 @@ def verify(  # noqa: PLR0913 - one parameter an option
         ),
     ] = None,
     stage: StageOption = None,
+    settings: SetOption = None,
     form: CheckFormatOption = "terminal",
     output: OutputOption = None,
+    details: DetailsOption = False,
+    start: FromOption = None,
+    stop: ToOption = None,
+    samples: SamplesOption = None,
+    times: TimesOption = None,
+    gramian: GramianOption = "square-root",
+    rtol: RtolOption = None,
+    scaling: ScalingOption = None,
+    plot: PlotOption = None,
     strict: StrictOption = False,
 ) -> int:
-    """Check the proof of the rank, and everything that models claim and expect."""
+    """Check the proof of the rank and everything that models claim and expect, by algebra and Gramian."""
     from obscli.cli.exit_codes import ExitCode  # noqa: PLC0415 - heavy imports inside command bodies
+    from obscli.cli.figures import draw  # noqa: PLC0415
+    from obscli.cli.numeric import numeric_request  # noqa: PLC0415
     from obscli.cli.output import deliver  # noqa: PLC0415
     from obscli.cli.progress import ProgressLine  # noqa: PLC0415
     from obscli.cli.refusals import refusals  # noqa: PLC0415
@@ -58,16 +86,21 @@ def verify(  # noqa: PLR0913 - one parameter an option
         raise CommandError(
             f"--{'certificate' if certificate else 'claims'} is about one model; {len(files)} are given"
         )
-    if certificate and (claims or claim):
+    if certificate and (claims or claim or settings):
         raise CommandError(
-            "--certificate checks the certificates of a report only; leave out --claims and --claim"
+            "--certificate checks the certificates of a report only; leave out --claims, --claim and --set"
         )
+    numeric = numeric_request(
+        start=start, stop=stop, samples=samples, times=times, method=gramian, rtol=rtol, scaling=scaling
+    )
     with refusals(), ProgressLine() as progress:
         if certificate:
             report = _certificates(files[0], certificate, stages, progress)
         else:
-            report = _claims(_read(files, claims), stages, tuple(claim or ()), progress)
-    deliver(report, form, output)
+            read = _read(files, claims, pairs("--set", settings))
+            report = _claims(read, stages, tuple(claim or ()), numeric, progress)
+        draw(report, plot, progress)
+    deliver(report, form, output, details=details)
     if report.failed:
         return ExitCode.FAILED
     return ExitCode.UNDECIDED if strict and report.undecided else ExitCode.DONE
@@ -83,7 +116,7 @@ def _models_here() -> tuple[Path, ...]:
     return files
 
 
-def _read(files: tuple[Path, ...], claims: Path | None) -> list[Model]:
+def _read(files: tuple[Path, ...], claims: Path | None, settings: dict[str, str]) -> list[Model]:
     """Read all models; the problems of all files are reported together."""
     from obscli.api import load  # noqa: PLC0415
     from obscli.core.place import ModelError, Problem  # noqa: PLC0415
@@ -93,7 +126,7 @@ def _read(files: tuple[Path, ...], claims: Path | None) -> list[Model]:
     problems: list[Problem] = []
     for file in files:
         try:
-            models.append(load(file))
+            models.append(load(file, settings=settings))
         except ModelError as error:
             problems += error.problems
     if problems:
@@ -102,11 +135,15 @@ def _read(files: tuple[Path, ...], claims: Path | None) -> list[Model]:
 
 
 def _claims(
-    models: list[Model], stages: tuple[str, ...], texts: tuple[str, ...], progress: Progress
+    models: list[Model],
+    stages: tuple[str, ...],
+    texts: tuple[str, ...],
+    numeric: NumericRequest,
+    progress: Progress,
 ) -> Report:
     from obscli.api import verify as run  # noqa: PLC0415
 
-    return run(*models, stages=stages, claims=texts, progress=progress)
+    return run(*models, stages=stages, claims=texts, numeric=numeric, progress=progress)
 
 
 def _certificates(file: Path, certificate: Path, stages: tuple[str, ...], progress: Progress) -> Report:

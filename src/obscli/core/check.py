@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, NoReturn, TypeAlias
 
 from obscli.core.place import Place
+from obscli.core.verification import Verification
 
 
 Verdict: TypeAlias = Literal["holds", "fails", "undecided"]
@@ -27,8 +28,12 @@ class Indicator:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A change of a claimed combination, and the observable combination it gives, as text."""
+    """A change of a claimed combination, and the observable combination it gives, as text.
 
+    ``of``: the combination as claimed; ``change``: what to add to it; ``words``: the same in words.
+    """
+
+    of: str
     change: str
     corrected: str
     words: str
@@ -39,7 +44,7 @@ class Trajectories:
     """Two trajectories with the same outputs: their difference by state at some instants.
 
     ``claim``: by how much the claimed combination differs between them; ``output``: the largest difference of
-    the outputs, relative to what the difference of the states could make.
+    the outputs, relative to what the differences of single states would make.
     """
 
     instants: tuple[float, ...]
@@ -67,7 +72,8 @@ class CheckResult:
     """The verdict on one claim, with its grounds; no truth value, since there are three of them.
 
     ``claim``: what is asserted, in words; ``reason``: why the verdict stands; ``place``: where it is said.
-    ``gramian``: the numerical witness; ``corrections``: the smallest changes that make a false combination
+    ``gramian``: the numerical witness; ``verification``: a claimed basis against it, instant by instant;
+    ``corrections``: the smallest changes that make a false combination
     observable; ``transformation``: T with claimed basis = T · proved basis, where it is another form of it.
     """
 
@@ -79,6 +85,7 @@ class CheckResult:
     corrections: tuple[Change, ...] = ()
     counterexample: Counterexample | None = None
     transformation: tuple[tuple[str, ...], ...] = ()
+    verification: Verification | None = None
 
     def __bool__(self) -> NoReturn:
         raise TypeError("a CheckResult holds, fails or is undecided: compare its verdict")

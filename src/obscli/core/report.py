@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Protocol
 
 from obscli.core.document import Document
+from obscli.core.figure import Figure
 
 
 class Report(Protocol):
-    """The outcome of one command: counted verdicts, and two ways to tell it, each made when asked for."""
+    """The outcome of one command: counted verdicts, and the ways to tell it, each made when asked for."""
 
     @property
     def failed(self) -> int:
@@ -21,6 +22,9 @@ class Report(Protocol):
 
     def document(self) -> Document:
         """Return the report for a reader."""
+
+    def figures(self) -> Iterable[Figure]:
+        """Return the figures of the report."""
 
     def data(self) -> Mapping[str, object]:
         """Return the report for a program: JSON values in the frame ``{schema, obscli, results, …}``."""

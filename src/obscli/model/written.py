@@ -18,7 +18,9 @@ from obscli.model.expression import (
     Sum,
     Symbol,
     children,
+    negate,
     postorder,
+    rebuild,
 )
 from obscli.model.system import Covector
 
@@ -28,6 +30,7 @@ PRODUCT: Final = 2
 POWER: Final = 3
 ATOM: Final = 4
 LONGEST: Final = 200_000
+_LONG: Final = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +57,19 @@ def to_text(expression: Expression) -> str:
     if size > LONGEST:
         return f"(an expression of {size:.3g} parts)"
     return printed(expression, _piece).signed
+
+
+def decimal_text(expression: Expression) -> str:
+    """Return the expression with its long fractions as decimals: for numbers that were measured."""
+    written: dict[int, Expression] = {}
+    for node in postorder(expression):
+        if isinstance(node, Number) and node.value.denominator >= _LONG:
+            size = Symbol(f"{float(abs(node.value)):.10g}")
+            written[id(node)] = negate(size) if node.value < 0 else size
+        else:
+            parts = children(node)
+            written[id(node)] = rebuild(node, tuple(written[id(part)] for part in parts)) if parts else node
+    return to_text(written[id(expression)])
 
 
 def expanded_size(root: Expression) -> int:

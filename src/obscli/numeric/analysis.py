@@ -22,7 +22,7 @@ from obscli.numeric.scaling import Scaling, chosen_scaling, scaled
 from obscli.numeric.settings import Effort, Settings
 from obscli.numeric.square_root import square_root_gramian
 from obscli.numeric.subspace import Subspaces, subspaces
-from obscli.numeric.transition import longest_step
+from obscli.numeric.transition import NODES, longest_step
 from obscli.numeric.windows import joined, shortened, windowed
 
 
@@ -34,8 +34,12 @@ METHODS: Final[Mapping[Method, Callable[[NumericSystem, float, Array, Rates, Eff
     "quadrature": quadrature_gramian,
 }
 
-#: Steps made for the whole interval, or for the windows of all instants together.
+#: Steps made for the whole interval, or for the windows of all instants together: so many, and fewer where
+#: the states that move are many, so that the multiplications stay below this.
 MOST_STEPS: Final = 20_000
+FEWEST_STEPS: Final = 10
+_MULTIPLICATIONS: Final = 3e10
+_SWEEPS: Final = 20
 
 _PROBES: Final = 18
 
@@ -95,19 +99,21 @@ def analyze(system: System, settings: Settings, progress: Progress = lambda _: N
     rates = rates_of(numeric, np.linspace(horizon.start, horizon.stop, _PROBES)[1:-1])
     progress(f"Gramian at {len(horizon.instants)} instants")
 
+    steps = affordable_steps(numeric)
+
     def spaces_of(start: float, instants: Array, most_steps: int) -> Subspaces:
         effort = Effort(settings.step_error, most_steps)
         found = METHODS[settings.method](numeric, start, instants, rates, effort)
         return subspaces(scaled(found, system, scaling))
 
     def at(t: float, w: float) -> Subspaces:
-        return spaces_of(max(horizon.start, t - w), np.array([t]), MOST_STEPS // len(horizon.instants))
+        return spaces_of(max(horizon.start, t - w), np.array([t]), max(steps // len(horizon.instants), 1))
 
     try:
-        spaces = spaces_of(horizon.start, horizon.instants, MOST_STEPS)
+        spaces = spaces_of(horizon.start, horizon.instants, steps)
     except TooManyStepsError as whole:
         progress("Gramian on windows: the whole interval would take too many steps")
-        length = MOST_STEPS / len(horizon.instants) / 4 * longest_step(rates)
+        length = max(steps / len(horizon.instants) / 4, 1.0) * longest_step(rates)
         try:
             spaces = windowed(horizon.instants, length, at)
         except TooManyStepsError:
@@ -115,6 +121,13 @@ def analyze(system: System, settings: Settings, progress: Progress = lambda _: N
     found = Numeric(numeric, settings, scaling, horizon, rates, spaces)
     parts = shortened(spaces, rates, at)
     return replace(found, spaces=joined(spaces, parts)) if parts else found
+
+
+def affordable_steps(system: NumericSystem) -> int:
+    """Return how many steps are made at the most."""
+    p = len(system.moving)
+    one = NODES * p * p * system.n * _SWEEPS
+    return MOST_STEPS if not one else int(min(MOST_STEPS, max(FEWEST_STEPS, _MULTIPLICATIONS / one)))
 
 
 __all__ = ["NotComputableError", "Numeric", "analyze"]

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
@@ -75,12 +75,14 @@ class EchelonCurves:
         )
 
     @property
-    def states(self) -> dict[str, str]:
+    def states(self) -> dict[str, Literal["observable", "coupled", "unobservable"]]:
         """Every state as *observable*, *coupled* or *unobservable*, as far as the Gramian shows."""
         pivots = {self.names[p] for p in self.pivots}
-        verdicts = {}
+        verdicts: dict[str, Literal["observable", "coupled", "unobservable"]] = {}
         for group in self.groups:
-            alone = "observable" if group[0] in pivots else "unobservable"
+            alone: Literal["observable", "unobservable"] = (
+                "observable" if group[0] in pivots else "unobservable"
+            )
             verdicts.update(dict.fromkeys(group, alone if len(group) == 1 else "coupled"))
         return {name: verdicts[name] for name in self.names}
 

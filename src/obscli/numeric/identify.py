@@ -12,7 +12,6 @@ V. M. Morozov, F. Yu. Baklanov (2018), numerical method, step 3.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
@@ -23,6 +22,7 @@ import numpy as np
 from obscli.model.expression import Expression, add, multiply, negate, number
 from obscli.numeric.dictionary import Monomial, functions_of_time, independent, monomials
 from obscli.numeric.echelon import EchelonCurves
+from obscli.numeric.finding import CoefficientCurve, EchelonFinding, Guess
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import Array, Flags, Program
 
@@ -39,19 +39,6 @@ _DIGITS: Final = 1e-12
 _TOO_COARSE: Final = 1e-4
 _CHANCE: Final = 1e-3
 _SCREENED: Final = 6
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Guess:
-    """A guessed form: ``residual`` of the fit and ``held_back``, largest, relative to the curve.
-
-    ``expression`` is None where the form is not identified; ``reason`` says why.
-    """
-
-    expression: Expression | None
-    residual: float | None = None
-    held_back: float | None = None
-    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,19 +133,19 @@ class Identifier:
         return [tuple(int(c) for c in sets[k]) for k in best]
 
     def _named(self, fit: _Fit, size: float) -> Guess:
-        terms = []
+        terms, in_digits = [], False
         for column, amplitude, spread in zip(fit.columns, fit.amplitudes, fit.spread, strict=True):
             tolerance = max(2 * float(spread), _DIGITS * size / float(np.abs(self._values[:, column]).max()))
             named = self._amplitude(float(amplitude), tolerance)
-            terms.append(multiply(named, self._functions[column]))
-        return Guess(add(*terms), fit.residual, fit.held_back)
+            in_digits |= named is None
+            size_known = _digits(float(amplitude), tolerance) if named is None else named
+            terms.append(multiply(size_known, self._functions[column]))
+        return Guess(add(*terms), fit.residual, fit.held_back, in_digits=in_digits)
 
-    def _amplitude(self, a: float, tolerance: float) -> Expression:
-        """Return a as a monomial, or a sum of two, where just one simple one is so close; else its digits."""
+    def _amplitude(self, a: float, tolerance: float) -> Expression | None:
+        """Return a as a monomial of the parameters or a sum of two, where just one simple one is close."""
         found = self._monomial(a, tolerance)
-        if found is None:
-            found = self._sum(a, tolerance)
-        return _digits(a, tolerance) if found is None else found
+        return self._sum(a, tolerance) if found is None else found
 
     def _monomial(self, a: float, tolerance: float) -> Expression | None:
         near = self._near(a, tolerance)
@@ -197,13 +184,33 @@ class Identifier:
         return self._sorted[low:high]
 
 
-def identified(curves: EchelonCurves, system: NumericSystem) -> dict[tuple[int, int], Guess]:
-    """Return a guess for every coefficient present, by (row, column) of the curves."""
+def identified(curves: EchelonCurves, system: NumericSystem) -> EchelonFinding:
+    """Return the basis with a guess for every coefficient that is not zero."""
     identifier = Identifier(system, curves.instants)
-    return {
-        (int(p), int(f)): identifier.guess(curves.coefficients[:, p, f], curves.errors[:, p, f])
-        for p, f in zip(*np.nonzero(curves.present), strict=True)
-    }
+    found = []
+    for p, f in zip(*np.nonzero(curves.present), strict=True):
+        values, errors = curves.coefficients[:, p, f], curves.errors[:, p, f]
+        guess = identifier.guess(values, errors)
+        found.append(
+            CoefficientCurve(
+                pivot=curves.names[curves.pivots[p]],
+                free=curves.names[curves.free[f]],
+                instants=tuple(curves.instants.tolist()),
+                values=tuple(values.tolist()),
+                errors=tuple(errors.tolist()),
+                guess=guess,
+                fitted=_fitted(guess, system, curves.instants),
+                standing="not identified" if guess.expression is None else "guess",
+            )
+        )
+    return EchelonFinding(tuple(curves.names[p] for p in curves.pivots), tuple(found))
+
+
+def _fitted(guess: Guess, system: NumericSystem, instants: Array) -> tuple[float, ...] | None:
+    if guess.expression is None:
+        return None
+    value = Program([guess.expression]).run(system.values(instants, {}))[0]
+    return tuple(np.broadcast_to(value, instants.shape).tolist())
 
 
 def _signed(one: Monomial, a: float) -> Expression:
@@ -214,6 +221,3 @@ def _digits(a: float, tolerance: float) -> Expression:
     """Return the number with the digits that are known, at most ten."""
     known = min(max(int(-np.log10(max(tolerance / abs(a), 1e-10))), 3), 10)
     return number(Fraction(f"{a:.{known}g}"))
-
-
-__all__: Sequence[str] = ("Guess", "Identifier", "identified")

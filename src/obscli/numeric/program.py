@@ -17,6 +17,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from obscli.model.constants import apply_function
 from obscli.model.expression import (
     Apply,
     Derivative,
@@ -41,6 +42,9 @@ EPS: Final = float(np.finfo(np.float64).eps)
 
 #: The standard deviation of one rounding, relative.
 ROUNDING: Final = EPS / 4
+
+#: Arguments at which a function may have an exact value: cos(pi/2) is 0, not 6e-17.
+_CONSTANT: Final = (Number, Pi, Product)
 
 #: A constant, or the values at the instants of a batch.
 Value: TypeAlias = float | Array
@@ -140,8 +144,9 @@ def _value(node: Expression, parts: Sequence[Value], values: Mapping[str, Value]
             return reduce(operator.mul, parts)
         case Power(_, exponent):
             return _power(parts[0], exponent)
-        case Apply(function):
-            return FUNCTIONS[function](parts[0])
+        case Apply(function, argument):
+            exact = apply_function(function, argument) if isinstance(argument, _CONSTANT) else None
+            return _nearest(exact.value) if isinstance(exact, Number) else FUNCTIONS[function](parts[0])
 
 
 def _power(base: Value, exponent: Fraction) -> Value:

@@ -12,8 +12,8 @@ The error ΔR is carried as |ΔR v|² ≲ vᵀ E v with
 
     E(b) = Φᵀ E(a) Φ + diag(ε² |column|²),    ε from rounding, from the step and from the coefficients.
 
-Roundings of one factorisation are taken as random, those of the transport from panel to panel, which repeats
-itself, as partly alike: after k panels they have grown to √(k + k²/9) units.
+Roundings of one factorisation are taken as random, ε = √(n/24) units beyond 24 states; those of the transport
+from panel to panel, which repeats itself, as partly alike: after k panels they are √(k + k²/9) units.
 
 References
 ----------
@@ -38,9 +38,12 @@ from obscli.numeric.transition import Panels, edges_of, longest_step, panels
 #: Rows gathered before they are triangularised, per state.
 _GATHERED: Final = 10
 
-#: Columns are rescaled when their norm leaves [2^-k, 2^k], and given up when they would leave [2^-K, 2^K].
+#: Columns are rescaled when their norm leaves [2^-k, 2^k], and given up when their units leave [2^-K, 2^K].
 _RANGE: Final = 64
-_LARGEST: Final = 300
+_LARGEST: Final = 450
+
+#: Up to so many states a factorisation is wrong by one unit of rounding, a column.
+_SMALL: Final = 24
 
 
 def square_root_gramian(
@@ -78,6 +81,7 @@ class _Chain:
     def __init__(self, system: NumericSystem) -> None:
         n = system.n
         self._moving = system.moving
+        self._rounding = EPS**2 * max(1.0, n / _SMALL)
         self._rows = np.zeros((0, n))
         self._error = np.zeros((n, n))
         self._units = np.ones(n)
@@ -100,7 +104,7 @@ class _Chain:
         self._error = self._transported(self._error, self._error[:, self._moving] @ transition)
         self._rows = np.concatenate([carried, fresh])
         local = (
-            EPS**2 * ((1 + (2 * self._count + 1) / 9) * _squares(carried) + _squares(fresh) / 4)
+            self._rounding * ((1 + (2 * self._count + 1) / 9) * _squares(carried) + _squares(fresh) / 4)
             + piece.row_error[k] * self._units**2
             + _squares(self._rows[:, self._moving]) @ (piece.transition_error[k] * ratio**2)
         )
@@ -108,7 +112,7 @@ class _Chain:
         self._count += 1
         self._keep_in_range()
         if len(self._rows) > _GATHERED * self._rows.shape[1]:
-            self._error[np.diag_indices_from(self._error)] += EPS**2 * _squares(self._rows)
+            self._error[np.diag_indices_from(self._error)] += self._rounding * _squares(self._rows)
             self._rows = np.asarray(np.linalg.qr(self._rows, mode="r"))
 
     def snapshot(self) -> tuple[Array, Array, Array, float]:
@@ -119,7 +123,7 @@ class _Chain:
         factor = np.zeros((n, n))
         triangle = np.linalg.qr(self._rows, mode="r")
         factor[: len(triangle)] = triangle
-        error = self._error + EPS**2 * np.diag(_squares(self._rows))
+        error = self._error + self._rounding * np.diag(_squares(self._rows))
         return factor, self._units.copy(), error, self._growth
 
     def _transported(self, rows: Array, moved: Array) -> Array:
@@ -140,7 +144,8 @@ class _Chain:
         self._rows *= factor
         self._error *= factor * factor[:, None]
         self._units *= factor
-        if np.abs(np.log2(self._units)).max() > _LARGEST:
+        exponents = np.log2(self._units)
+        if max(np.abs(exponents).max(), exponents.max() - exponents.min()) > _LARGEST:
             self._lost = True
 
 

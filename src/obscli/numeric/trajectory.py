@@ -22,7 +22,10 @@ _MOST_STEPS: Final = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
-    """States (k, n) at instants (k,); ``output``: max |H x| relative to |H| |x|."""
+    """States (k, n) at instants (k,).
+
+    ``output``: the largest output, relative to the sum of those that each initial state alone would cause.
+    """
 
     instants: Array
     states: Array
@@ -44,22 +47,16 @@ def follow(numeric: Numeric, initial: Array, count: int) -> Trajectory:
     """
     system, horizon = numeric.system, numeric.horizon
     instants = np.linspace(horizon.start, horizon.stop, count)
-    x = np.array(initial, dtype=float)
-    states = [x]
+    parts = np.diag(initial.astype(float))[:, initial != 0]  # one column for each initial state that is not 0
+    found = [parts]
     edges = edges_of(horizon.start, instants[1:], longest_step(numeric.rates))
     for piece in panels(system, edges, Effort(_STEP_ERROR, _MOST_STEPS)):
         for end, rows in zip(piece.ends, piece.transition, strict=True):
             phi = np.eye(system.n)
             phi[system.moving] = rows
-            x = np.linalg.solve(phi, x)
-            if end == instants[len(states)]:
-                states.append(x)
-    return Trajectory(instants, np.array(states), _seen(system.coefficients(instants).H, np.array(states)))
-
-
-def _seen(H: Array, states: Array) -> float:
-    """Return the largest |H x| relative to |H| |x|."""
-    outputs = np.abs(np.einsum("kmn,kn->km", H, states))
-    size = np.einsum("kmn,kn->km", np.abs(H), np.abs(states))
-    largest = float(size.max(initial=0.0))
-    return float(outputs.max(initial=0.0)) / largest if largest else 0.0
+            parts = np.linalg.solve(phi, parts)
+            if end == instants[len(found)]:
+                found.append(parts)
+    outputs = system.coefficients(instants).H @ np.array(found)
+    whole, alone = np.abs(outputs.sum(axis=2)).max(initial=0.0), np.abs(outputs).sum(axis=2).max(initial=0.0)
+    return Trajectory(instants, np.array(found).sum(axis=2), float(whole / alone) if alone else 0.0)

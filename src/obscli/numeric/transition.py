@@ -16,7 +16,7 @@ E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1 (collocat
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -25,7 +25,7 @@ import numpy as np
 from obscli.numeric.collocation import gauss_legendre
 from obscli.numeric.errors import NotComputableError, TooManyStepsError
 from obscli.numeric.numeric_system import NumericSystem
-from obscli.numeric.program import EPS, Array, Flags
+from obscli.numeric.program import EPS, Array, Counts, Flags
 from obscli.numeric.rates import Rates
 from obscli.numeric.settings import Effort
 
@@ -36,12 +36,20 @@ NODES: Final = 16
 _MOST_TURN: Final = 2.0
 _MOST_PHASE: Final = 1.5
 _SWEEPS: Final = 60
+
+#: Panels all far from rest after so many sweeps are too long.
+_ENOUGH: Final = 24
+_FAR: Final = 1e-3
 _TERMS: Final = 12
 
-#: A tail below this that halving does not lower is taken for noise; a panel shorter than this, relative to
-#: the time, cannot be halved.
+#: A tail below this that halving does not lower is left at once, one above it after so many halvings; a
+#: panel shorter than this, relative to the time, cannot be halved.
 _NOISE: Final = 1e-9
+_IN_VAIN: Final = 3
 _SHORTEST: Final = 1e-12
+
+#: Panels of a time-invariant system are alike if their lengths agree to so many digits.
+_ALIKE: Final = 10
 
 #: Numbers (of 8 bytes) worked on at a time.
 _CHUNK: Final = 4_000_000
@@ -100,11 +108,13 @@ def panels(system: NumericSystem, edges: Array, effort: Effort) -> Iterator[Pane
 class Parents:
     """Of the panels that some are halves of: how far from being resolved, (k,), the size of A X, (k, p, n).
 
+    ``in_vain``: how many halvings in a row did not improve them, shape (k,).
     An entry that passes through zero inside a short panel is held to its size on the panel it began with.
     """
 
     unresolved: Array
     largest: Array
+    in_vain: Counts
 
 
 class _Solver:
@@ -123,6 +133,8 @@ class _Solver:
         ----------
         parents : what is known of the panels that these are halves of
         """
+        if parents is None and self._system.is_constant and len(starts) > 1:
+            return self._alike(starts, stops)
         self._solved += len(starts)
         if self._solved > self._effort.most_steps:
             raise TooManyStepsError(self._too_many())
@@ -131,9 +143,12 @@ class _Solver:
             largest = np.maximum(largest, parents.largest)
         unresolved = (tail / np.maximum(largest, 1e-300)).max(axis=(1, 2), initial=0.0)
         bad = unresolved > self._effort.rtol
+        in_vain = np.zeros(len(starts), dtype=int)
         if parents is not None:
-            # what halving does not improve is rounding in the coefficients; it stays in the step error
-            bad &= ~((unresolved > parents.unresolved / 4) & (unresolved < _NOISE))
+            # what halving does not improve is rounding of the coefficients, or an entry too small to matter
+            # (h^k/k! far down a chain of integrators): it is left, and stays in the step error
+            in_vain = np.where(unresolved > parents.unresolved / 4, parents.in_vain + 1, 0)
+            bad &= np.isinf(unresolved) | (in_vain < np.where(unresolved < _NOISE, 1, _IN_VAIN))
         if not bad.any():
             return found
         if (stops - starts)[bad].min() < _SHORTEST * np.abs(stops).max():
@@ -142,9 +157,30 @@ class _Solver:
         fine = self.resolved(
             np.concatenate([starts[bad], middles]),
             np.concatenate([middles, stops[bad]]),
-            Parents(np.tile(unresolved[bad], 2), np.tile(largest[bad], (2, 1, 1))),
+            Parents(np.tile(unresolved[bad], 2), np.tile(largest[bad], (2, 1, 1)), np.tile(in_vain[bad], 2)),
         )
         return _merged(found, ~bad, fine)
+
+    def _alike(self, starts: Array, stops: Array) -> Panels:
+        """Return the panels of a time-invariant system, those of the same length solved once."""
+        h = stops - starts
+        _, first, which = np.unique(np.round(h / h.max(), _ALIKE), return_index=True, return_inverse=True)
+        solved = [self.resolved(starts[k : k + 1], stops[k : k + 1]) for k in first]
+        order = np.concatenate([np.arange(len(solved[k].ends)) for k in which])
+        of = np.repeat(which, [len(solved[k].ends) for k in which])
+
+        def spread(part: Callable[[Panels], Array]) -> Array:
+            return np.array([part(solved[k])[i] for k, i in zip(of, order, strict=True)])
+
+        # a panel that had to be halved comes in parts, whose ends lie as far after the start
+        ends = np.concatenate([stops[j] - (solved[k].ends[-1] - solved[k].ends) for j, k in enumerate(which)])
+        return Panels(
+            ends,
+            spread(lambda p: p.transition),
+            spread(lambda p: p.rows),
+            spread(lambda p: p.transition_error),
+            spread(lambda p: p.row_error),
+        )
 
     def _not_resolved(self, t: float) -> str:
         return (
@@ -196,15 +232,16 @@ class _Solver:
         inner_size, outer_size = np.abs(inner).max(axis=1), np.abs(outer).max(axis=1)
         X = np.broadcast_to(identity, outer.shape)
         stands = np.zeros(len(h), dtype=bool)
-        for _ in range(_SWEEPS):
+        for sweep in range(_SWEEPS):
             after = identity - h[:, None, None, None] * _summed(self._rule.backward, inner @ X + outer)
             largest = np.abs(after).max(axis=1)
             rounding = 2 * EPS * (largest + h[:, None, None] * (inner_size @ largest + outer_size))
             if not np.isfinite(rounding).all():
                 break
-            stands = (np.abs(after - X).max(axis=1) <= rounding).all(axis=(1, 2))
+            change = np.abs(after - X).max(axis=1)
+            stands = (change <= rounding).all(axis=(1, 2))
             X = after
-            if stands.all():
+            if stands.all() or (sweep == _ENOUGH and not stands.any() and (change > _FAR * largest).any()):
                 break
         return X, stands
 

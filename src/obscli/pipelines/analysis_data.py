@@ -10,6 +10,7 @@ from obscli.model.notation import covector_latex, covector_text
 from obscli.model.system import Covector, System
 from obscli.pipelines.certificate_data import certificate_to_data, covector_to_data
 from obscli.pipelines.latex_names import latex_names
+from obscli.pipelines.numeric_data import basis_data, numeric_data, verification_data
 from obscli.pipelines.request import Changes
 from obscli.pipelines.stage_result import StageResult
 
@@ -37,8 +38,22 @@ def _stage_data(result: StageResult) -> dict[str, object]:
         "n": system.n,
         "m": system.m,
         "states": list(system.state_names),
-        "analytic": _undecided_data(finding) if isinstance(finding, Undecided) else _analysis_data(finding),
+        "analytic": _exact_data(finding),
+        "numeric": numeric_data(result.numeric),
+        "numeric_basis": basis_data(result.basis),
+        "verification": verification_data(result.verification),
     }
+
+
+def _exact_data(finding: Analysis | Undecided | None) -> dict[str, object] | None:
+    """Return the exact finding; None where it was not asked for."""
+    match finding:
+        case None:
+            return None
+        case Undecided():
+            return _undecided_data(finding)
+        case Analysis():
+            return _analysis_data(finding)
 
 
 def _analysis_data(finding: Analysis) -> dict[str, object]:

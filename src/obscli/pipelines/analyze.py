@@ -1,18 +1,20 @@
-"""The work of ``obscli analyze``: a model's systems analysed exactly, and the report of it."""
+"""The work of ``obscli analyze``: a model's systems analysed exactly and numerically, and the report."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from obscli.core.document import Document
+from obscli.core.figure import Figure
 from obscli.exact import analysis as engine
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.finding import Analysis, Undecided
 from obscli.model.covector import parse_covectors_file
 from obscli.model.system import Model, System
 from obscli.pipelines.analysis_data import report_data
+from obscli.pipelines.describe.figures import analysis_figures
 from obscli.pipelines.describe.report import report_document
 from obscli.pipelines.neglect import compared
 from obscli.pipelines.other_stages import with_other_stages
@@ -30,8 +32,8 @@ class AnalyzeReport:
 
     @property
     def failed(self) -> int:
-        """No finding about a system is a failure."""
-        return 0
+        """How many stages have an analytic result that the Gramian contradicts."""
+        return sum(result.is_contradicted for result in self.results)
 
     @property
     def undecided(self) -> int:
@@ -41,6 +43,10 @@ class AnalyzeReport:
     def document(self) -> Document:
         """Return the report for a reader."""
         return report_document(self.results)
+
+    def figures(self) -> Iterable[Figure]:
+        """Return the figures: χ, singular values, coefficients."""
+        return analysis_figures(self.results)
 
     def data(self) -> Mapping[str, object]:
         """Return the report for a program."""
@@ -66,13 +72,35 @@ def analyze(
     """
     results = []
     for system in chosen_systems(model, request.stages):
-        label = f"{system.stage or model.name}: "
-        finding = _analyze_system(system, request, _labelled(progress, label))
-        if unfixed is not None and isinstance(finding, Analysis):
-            progress(label + "the system before --fix")
-            finding = _with_neglect(finding, unfixed, changes)
-        results.append(StageResult(model, system, finding))
+        told = _labelled(progress, f"{system.stage or model.name}: ")
+        finding = None
+        if request.only != "numeric":
+            finding = _analyze_system(system, request, told)
+            if unfixed is not None and isinstance(finding, Analysis):
+                told("the system before --fix")
+                finding = _with_neglect(finding, unfixed, changes)
+        result = StageResult(model, system, finding, shown=request.only)
+        results.append(result if request.only == "analytic" else _with_gramian(result, request, told))
     return AnalyzeReport(with_other_stages(tuple(results)), changes)
+
+
+def _with_gramian(result: StageResult, request: AnalyzeRequest, progress: Progress) -> StageResult:
+    """Return the result with the Gramian, and with the comparison of the two sides where both are there."""
+    from obscli.numeric.finding import NotComputed  # noqa: PLC0415 - floating point only where it is asked for
+    from obscli.numeric.summary import finding_of  # noqa: PLC0415
+    from obscli.pipelines.numerical import basis_in_time, numeric_of, verify_analysis  # noqa: PLC0415
+
+    progress("Gramian")
+    numeric = numeric_of(result.system, request.numeric, progress)
+    if result.finding is not None:
+        result = replace(result, verification=verify_analysis(result.finding, numeric))
+    if isinstance(numeric, NotComputed):
+        return replace(result, numeric=numeric)
+    alone = request.only == "numeric"
+    if alone or request.curves:
+        progress("forms of the coefficients")
+        result = replace(result, basis=basis_in_time(numeric, result.finding))
+    return replace(result, numeric=finding_of(numeric, bases=alone))
 
 
 def _labelled(progress: Progress, label: str) -> Progress:

@@ -39,14 +39,46 @@ class Changes:
         }
 
 
+#: The parts of an analysis that can be asked for alone.
+Part: TypeAlias = Literal["analytic", "numeric", "verify"]
+
+#: How the Gramian can be found, and the units in which its rank can be decided.
+Method: TypeAlias = Literal["square-root", "lyapunov", "quadrature"]
+Scaling: TypeAlias = Literal["automatic", "scale", "prior", "none"]
+
+
+@dataclass(frozen=True, slots=True)
+class NumericRequest:
+    """How the Gramian is to be found, as the texts the user gave; None: as the file or obscli has it.
+
+    ``start``, ``stop``, ``times``: expressions in the names of the file; ``samples``: how many instants;
+    ``rtol``: relative step error; ``scaling``: units of the states in which the rank is decided.
+    """
+
+    start: str | None = None
+    stop: str | None = None
+    samples: int | None = None
+    times: tuple[str, ...] = ()
+    method: Method = "square-root"
+    rtol: float | None = None
+    scaling: Scaling | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class AnalyzeRequest:
-    """How to analyse: stages (empty: all), basis (a path: rows preferred), pivots, critical search."""
+    """How to analyse: stages (empty: all), basis (a path: rows preferred), pivots, critical search.
+
+    ``only``: one part alone; ``numeric``: the options of the numerical side; ``curves``: guess the forms of
+    the coefficients also where the numerical side is not alone.
+    """
 
     stages: tuple[str, ...] = ()
     basis: Literal["echelon", "sparse"] | Path = "echelon"
     pivot_order: tuple[str, ...] = ()
     critical: bool = True
+    only: Part | None = None
+    numeric: NumericRequest = NumericRequest()
+    curves: bool = False
 
 
 def silent(_: str) -> None:

@@ -5,17 +5,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from obscli.core.check import CheckResult
+from obscli.core.verification import NotVerified, Verification
 from obscli.exact.finding import Analysis, Undecided
 from obscli.model.system import Model, System
+from obscli.numeric.finding import EchelonFinding, NotComputed, NumericFinding
+from obscli.pipelines.request import Part
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StageResult:
-    """One stage of a model and the finding about it."""
+    """One stage of a model and what each pipeline found about it; None: the pipeline was not asked.
+
+    ``shown``: the one part the user asked to see, None: all; ``basis``: the numerical basis in time.
+    """
 
     model: Model
     system: System
-    finding: Analysis | Undecided
+    finding: Analysis | Undecided | None
+    numeric: NumericFinding | NotComputed | None = None
+    verification: Verification | NotVerified | None = None
+    basis: EchelonFinding | None = None
+    shown: Part | None = None
 
     @property
     def title(self) -> str:
@@ -24,17 +34,27 @@ class StageResult:
 
     @property
     def is_undecided(self) -> bool:
-        """Whether anything about the stage's rank stayed undecided."""
-        return isinstance(self.finding, Undecided) or bool(self.finding.undecided)
+        """Whether anything that was asked about the stage's rank stayed undecided."""
+        if self.shown == "numeric":
+            return not isinstance(self.numeric, NumericFinding) or self.numeric.rank is None
+        if self.shown == "verify":
+            return not isinstance(self.verification, Verification) or self.verification.verdict == "undecided"
+        return not isinstance(self.finding, Analysis) or bool(self.finding.undecided)
+
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether the two sides contradict each other."""
+        return isinstance(self.verification, Verification) and self.verification.verdict == "contradicted"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StageChecks:
-    """One stage of a model and the checks made on it."""
+    """One stage of a model and the checks made on it; ``verification``: its analysis against the Gramian."""
 
     model: Model
     system: System
     checks: tuple[CheckResult, ...]
+    verification: Verification | NotVerified | None = None
 
     @property
     def title(self) -> str:

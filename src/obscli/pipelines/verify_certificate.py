@@ -14,7 +14,7 @@ from obscli.pipelines.certificate_data import certificate_from_data, covector_fr
 from obscli.pipelines.json_values import CertificateError, list_at, mapping_at, text_at, texts_at, value_at
 from obscli.pipelines.request import Changes, Progress, silent
 from obscli.pipelines.stage_result import StageChecks
-from obscli.pipelines.verify import VerifyReport
+from obscli.pipelines.verify_report import VerifyReport
 
 
 def recorded_changes(data: object) -> Changes:
@@ -72,7 +72,7 @@ def _system(model: Model, identity: Mapping[str, object], path: str) -> System:
 def _checks(system: System, result: Mapping[str, object], path: str) -> Iterator[CheckResult]:
     """Check the generic certificate with the combinations beside it, and the one at the values, if any."""
     path = f"{path}.analytic"
-    analytic = mapping_at(value_at(result, "analytic", path), path)
+    analytic = mapping_at(value_at(result, "analytic", path) or {}, path)
     if analytic.get("certificate") is None:
         yield CheckResult(
             "the rank is certified", "undecided", "the report holds no certificate for this stage"

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from obscli.core.check import CheckResult
 from obscli.core.version import SCHEMA, VERSION
+from obscli.pipelines.numeric_data import evidence_data, verification_data
 from obscli.pipelines.stage_result import StageChecks
 
 
@@ -32,7 +33,7 @@ def _stage(result: StageChecks) -> dict[str, object]:
         "n": system.n,
         "m": system.m,
         "states": list(system.state_names),
-        "verification": count,
+        "verification": {**count, **(verification_data(result.verification) or {})},
     }
 
 
@@ -44,4 +45,5 @@ def _check(result: StageChecks, check: CheckResult) -> dict[str, object]:
         "verdict": check.verdict,
         "reason": check.reason,
         "place": None if check.place is None else str(check.place),
+        **evidence_data(check),
     }

@@ -11,15 +11,18 @@ from obscli.pipelines.describe.advice import advice_blocks
 from obscli.pipelines.describe.certificate import certificate_blocks
 from obscli.pipelines.describe.combinations import combination_blocks, direction_blocks
 from obscli.pipelines.describe.critical import critical_blocks
+from obscli.pipelines.describe.gramian import gramian_blocks, gramian_state_blocks
 from obscli.pipelines.describe.neglect import neglect_blocks
 from obscli.pipelines.describe.ranks import rank_blocks
 from obscli.pipelines.describe.stages import stage_table_blocks
 from obscli.pipelines.describe.states import quantity_blocks, state_blocks
 from obscli.pipelines.describe.summary import summary_blocks
+from obscli.pipelines.describe.time_basis import time_basis_blocks
+from obscli.pipelines.describe.verification import verdict_blocks, verification_blocks
 from obscli.pipelines.stage_result import StageResult
 
 
-#: The sections of one stage's report, in the order the reader meets them.
+#: The sections on the exact finding, in the order the reader meets them.
 SECTIONS = (
     rank_blocks,
     combination_blocks,
@@ -30,6 +33,15 @@ SECTIONS = (
     neglect_blocks,
     advice_blocks,
     certificate_blocks,
+)
+
+#: The sections on the numerical side and on the comparison of the two, after those.
+SECTIONS_AFTER = (
+    gramian_blocks,
+    gramian_state_blocks,
+    time_basis_blocks,
+    verification_blocks,
+    verdict_blocks,
 )
 
 
@@ -48,9 +60,11 @@ def _stage_blocks(result: StageResult, *, first: bool) -> Iterable[Block]:
     match result.finding:
         case Undecided(_, reason):
             yield VerdictLine("open", plain(f"undecided: {reason}"))
-        case Analysis() as finding:
+        case Analysis() as finding if result.shown != "verify":
             for section in SECTIONS:
                 yield from section(finding)
+    for after in SECTIONS_AFTER:
+        yield from after(result)
 
 
 def _explained_once(blocks: Iterable[Block]) -> Iterable[Block]:

@@ -7,6 +7,7 @@ from typing import Final
 
 from obscli.core.document import Block, Cell, Column, Heading, Paragraph, Table, Text, line, plain
 from obscli.exact.finding import Analysis
+from obscli.numeric.finding import NumericFinding
 from obscli.pipelines.describe.words import SIGNS, sign
 from obscli.pipelines.stage_result import StageResult
 
@@ -17,7 +18,7 @@ WIDEST_HEADER: Final = 50
 
 def stage_table_blocks(results: tuple[StageResult, ...]) -> Iterator[Block]:
     """Yield the table, where there is more than one stage."""
-    if len(results) < 2:
+    if len(results) < 2 or results[0].shown == "verify":
         return
     labels = [result.system.stage or "base" for result in results]
     numbered = sum(len(label) + 2 for label in labels) > WIDEST_HEADER
@@ -38,11 +39,17 @@ def _rows(results: tuple[StageResult, ...]) -> Iterator[tuple[Cell, ...]]:
 
 
 def _verdict(result: StageResult, state: str) -> Text:
-    if not isinstance(result.finding, Analysis):
-        return Text("?", "open")
-    verdict = result.finding.states.get(state)
+    match result.finding, result.numeric:
+        case Analysis(states=states), _:
+            verdict = states.get(state)
+        case None, NumericFinding(states=seen) if seen:
+            verdict = seen.get(state)
+        case _:
+            return Text("?", "open")
     return Text("") if verdict is None else sign(verdict)
 
 
 def _rank(result: StageResult) -> Text:
-    return Text(f"{result.finding.rank}/{result.system.n}" if isinstance(result.finding, Analysis) else "?")
+    found = result.finding if result.finding is not None else result.numeric
+    rank = found.rank if isinstance(found, Analysis | NumericFinding) else None
+    return Text("?" if rank is None else f"{rank}/{result.system.n}")

@@ -1,0 +1,41 @@
+"""The neutral figure: curves with their meaning, before any library draws them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+
+#: How a curve stands out: the matter itself, what it is compared with, a limit, or one of many alike.
+Emphasis: TypeAlias = Literal["main", "reference", "limit", "one of many"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """Values at instants; ``marked``: as marks instead of a line."""
+
+    label: str
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    emphasis: Emphasis = "main"
+    marked: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Panel:
+    """One pair of axes: curves over the same abscissa."""
+
+    title: str
+    y_label: str
+    curves: tuple[Curve, ...]
+    logarithmic: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Figure:
+    """Panels below each other; ``name`` becomes the name of a file."""
+
+    name: str
+    title: str
+    x_label: str
+    panels: tuple[Panel, ...]

@@ -1,0 +1,117 @@
+"""What the numerical pipeline finds about one system: frozen values, no arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from obscli.model.expression import Expression
+from obscli.model.system import System
+
+
+@dataclass(frozen=True, slots=True)
+class NotComputed:
+    """The numerical side could not be run, and why; the text says what to do."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NumericPoint:
+    """The Gramian at one instant.
+
+    Parameters
+    ----------
+    t, start : the instant, and where its window starts
+    rank, decided : the number of singular values above the tolerance, and whether none is in the grey zone
+    gap : σ_r / max(σ_{r+1}, noise), None where the rank is 0
+    tolerance : below which a singular value is noise, in the same units
+    singular_values : of the square root of the Gramian, states in scaled units, the largest first
+    basis : orthonormal rows of the observable row space in the file's units; None where it was not asked for
+    """
+
+    t: float
+    start: float
+    rank: int
+    decided: bool
+    gap: float | None
+    tolerance: float
+    singular_values: tuple[float, ...]
+    basis: tuple[tuple[float, ...], ...] | None = None
+
+    @property
+    def weakest(self) -> float | None:
+        """The smallest singular value that counts, None where the rank is 0."""
+        return self.singular_values[self.rank - 1] if self.rank else None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NumericFinding:
+    """Rank over time, and what it rests on.
+
+    Parameters
+    ----------
+    system : the system
+    method, rtol, scaling : how the Gramian was found
+    start, default : t0, and whether the interval is a default one
+    points : the instants
+    rank : the largest rank decided at any instant, None where there is none
+    sampled : the functions of time for which a sample motion was taken
+    window : the shortest window where some are shorter than the whole interval, else None
+    states : every state as observable, coupled or unobservable, as the Gramian shows it; may be empty
+    groups : states that share combinations
+    """
+
+    system: System
+    method: str
+    rtol: float
+    scaling: str
+    start: float
+    default: bool
+    points: tuple[NumericPoint, ...]
+    rank: int | None
+    sampled: tuple[str, ...]
+    window: float | None
+    states: Mapping[str, Literal["observable", "coupled", "unobservable"]]
+    groups: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Guess:
+    """A guessed form: ``residual`` of the fit and ``held_back``, largest, relative to the curve.
+
+    ``expression`` is None where the form is not identified; ``reason`` says why. ``in_digits``: an amplitude
+    is a number, not a monomial of the parameters.
+    """
+
+    expression: Expression | None
+    residual: float | None = None
+    held_back: float | None = None
+    reason: str = ""
+    in_digits: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CoefficientCurve:
+    """One coefficient of the reduced echelon basis against time, in the file's units.
+
+    The combination is pivot + Σ coefficient · free; ``fitted`` is the guessed form at the instants.
+    """
+
+    pivot: str
+    free: str
+    instants: tuple[float, ...]
+    values: tuple[float, ...]
+    errors: tuple[float, ...]
+    guess: Guess
+    fitted: tuple[float, ...] | None
+    standing: Literal["proved", "guess", "refuted", "not identified"] = "guess"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EchelonFinding:
+    """The reduced echelon basis as the Gramian shows it: pivots in order, and their coefficients."""
+
+    pivots: tuple[str, ...]
+    curves: tuple[CoefficientCurve, ...]

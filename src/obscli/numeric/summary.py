@@ -1,0 +1,55 @@
+"""The findings of the numerical pipeline as plain values, for reports."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from obscli.numeric.analysis import Numeric
+from obscli.numeric.echelon import echelon_curves
+from obscli.numeric.finding import NumericFinding, NumericPoint
+
+
+def finding_of(numeric: Numeric, *, bases: bool = False) -> NumericFinding:
+    """Return what was found; ``bases``: with an orthonormal basis of the row space at every instant."""
+    curves = echelon_curves(numeric)
+    motion = numeric.system.motion
+    return NumericFinding(
+        system=numeric.system.system,
+        method=numeric.settings.method,
+        rtol=numeric.settings.step_error,
+        scaling=numeric.scaling,
+        start=numeric.horizon.start,
+        default=numeric.horizon.origin == "default",
+        points=tuple(_point(numeric, i, bases=bases) for i in range(len(numeric.horizon.instants))),
+        rank=numeric.rank,
+        sampled=motion.names if motion else (),
+        window=numeric.window,
+        states={} if curves is None else curves.states,
+        groups=() if curves is None else tuple(group for group in curves.groups if len(group) > 1),
+    )
+
+
+def _point(numeric: Numeric, i: int, *, bases: bool) -> NumericPoint:
+    spaces = numeric.spaces
+    is_root, gap = spaces.gramian.is_root, float(spaces.gap[i])
+    values = spaces.values[i] if is_root else np.sqrt(spaces.values[i])
+    tolerance = float(spaces.tolerance[i])
+    root_gap = gap if is_root else float(np.sqrt(gap))
+    return NumericPoint(
+        t=float(spaces.instants[i]),
+        start=float(spaces.gramian.starts[i]),
+        rank=int(spaces.rank[i]),
+        decided=bool(spaces.decided[i]),
+        gap=None if np.isnan(gap) else root_gap,
+        tolerance=tolerance if is_root else float(np.sqrt(tolerance)),
+        singular_values=tuple(values.tolist()),
+        basis=_basis(numeric, i) if bases else None,
+    )
+
+
+def _basis(numeric: Numeric, i: int) -> tuple[tuple[float, ...], ...]:
+    """Return orthonormal rows of the observable row space in the file's units."""
+    spaces = numeric.spaces
+    rows = spaces.right[i, : spaces.rank[i]] / spaces.gramian.units[i]
+    orthonormal, _ = np.linalg.qr(rows.T)
+    return tuple(tuple(row) for row in orthonormal.T.tolist())

@@ -1,0 +1,128 @@
+"""The numerical side of a command: its options read in the names of a system, its Gramian found.
+
+Importing this costs the floating-point libraries; the pipelines do so only where the Gramian is asked for.
+"""
+
+from __future__ import annotations
+
+from obscli.checks.agreement import verify_basis
+from obscli.checks.guesses import check_guesses
+from obscli.checks.witness import Witness
+from obscli.core.verification import NotVerified, Verification
+from obscli.exact import analysis as exact_engine
+from obscli.exact.finding import Analysis, Undecided
+from obscli.model.covector import parse_scalar
+from obscli.model.expression import Expression
+from obscli.model.specialise import at_nominal
+from obscli.model.system import Covector, System
+from obscli.numeric import analysis as engine
+from obscli.numeric.analysis import Numeric
+from obscli.numeric.echelon import echelon_curves
+from obscli.numeric.errors import NotComputableError
+from obscli.numeric.finding import EchelonFinding, NotComputed
+from obscli.numeric.horizon import Wanted
+from obscli.numeric.identify import identified
+from obscli.numeric.settings import Settings
+from obscli.pipelines.request import NumericRequest, Progress, silent
+
+
+def settings_of(system: System, request: NumericRequest) -> Settings:
+    """Return the options as the numerical side takes them.
+
+    Raises
+    ------
+    ModelError
+        where an instant is no expression in the names of the system
+    """
+
+    def read(text: str | None, option: str) -> Expression | None:
+        return None if text is None else parse_scalar(system, text, option)
+
+    wanted = Wanted(
+        start=read(request.start, "--from"),
+        stop=read(request.stop, "--to"),
+        samples=request.samples,
+        times=tuple(parse_scalar(system, text, "--times") for text in request.times),
+    )
+    return Settings(wanted, request.method, request.rtol, request.scaling)
+
+
+def numeric_of(system: System, request: NumericRequest, progress: Progress = silent) -> Numeric | NotComputed:
+    """Return the Gramian of a system, or why there is none."""
+    try:
+        return engine.analyze(system, settings_of(system, request), progress)
+    except NotComputableError as error:
+        return NotComputed(str(error))
+
+
+class Looks:
+    """Finds the Gramian of systems, of each once.
+
+    Parameters
+    ----------
+    request : how it is to be found
+    """
+
+    def __init__(self, request: NumericRequest) -> None:
+        self._request = request
+        self._found: list[tuple[System, Numeric | NotComputed]] = []
+
+    def numeric(self, system: System) -> Numeric | NotComputed:
+        """Return the Gramian, or why there is none."""
+        for known, found in self._found:
+            if known is system:
+                return found
+        self._found.append((system, numeric_of(system, self._request)))
+        return self._found[-1][1]
+
+    def __call__(self, system: System) -> Numeric:
+        """Return the Gramian.
+
+        Raises
+        ------
+        NotComputableError
+            where there is none
+        """
+        found = self.numeric(system)
+        if isinstance(found, NotComputed):
+            raise NotComputableError(found.reason)
+        return found
+
+
+def basis_in_time(numeric: Numeric, finding: Analysis | Undecided | None) -> EchelonFinding | None:
+    """Return the basis in time with guesses, proved where algebra agrees; None where it is not clear."""
+    curves = echelon_curves(numeric)
+    if curves is None:
+        return None
+    found = identified(curves, numeric.system)
+    comparable = isinstance(finding, Analysis) and finding.rank == finding.at_values.rank == numeric.rank
+    return check_guesses(found, finding) if comparable and isinstance(finding, Analysis) else found
+
+
+def verify_analysis(
+    finding: Analysis | Undecided, numeric: Numeric | NotComputed
+) -> Verification | NotVerified:
+    """Return what the Gramian says of the proved combinations, at the file's values."""
+    if isinstance(finding, Undecided):
+        return NotVerified(f"the exact side is undecided: {finding.reason}")
+    if isinstance(numeric, NotComputed):
+        return NotVerified(numeric.reason)
+    rank = finding.at_values.rank
+    if rank is None:
+        return NotVerified(finding.at_values.reason)
+    witness = Witness(numeric, rank)
+    basis = tuple(one.coefficients for one in finding.combinations)
+    if rank != finding.rank or witness.vanishes(basis):
+        there = _basis_at_values(finding)
+        if isinstance(there, NotVerified):
+            return there
+        basis = there
+    return verify_basis(witness, basis)
+
+
+def _basis_at_values(finding: Analysis) -> tuple[Covector, ...] | NotVerified:
+    options = exact_engine.Options(critical=False, certificate=False)
+    there = exact_engine.analyze(at_nominal(finding.system).system(), options)
+    if isinstance(there, Undecided):
+        return NotVerified(f"the combinations at the file's values are undecided: {there.reason}")
+    return tuple(one.coefficients for one in there.combinations)
