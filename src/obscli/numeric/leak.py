@@ -29,10 +29,13 @@ from obscli.numeric.subspace import Subspaces
 _DEGENERATE: Final = 1e-6
 _PRODUCT: Final = 32.0
 
+#: χ is at most 1; above this the kernel's units are too far apart to be orthonormalised in those of the file.
+_IMPOSSIBLE: Final = 1.01
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leak:
-    """χ and its bound by instant and row, shape (N, r); not a number where a row degenerates."""
+    """χ and its bound by instant and row, shape (N, r); not a number where there is no telling."""
 
     chi: Array
     bound: Array
@@ -62,5 +65,5 @@ def leak_of(spaces: Subspaces, rows: Array, errors: Array) -> Leak:
         of_basis = EPS * np.linalg.norm(scaled_rows, axis=1)[:, None] * size
         rounding = _PRODUCT * (EPS + of_rows[:, None] + of_basis)
         bound[i] = (through + rounding).max(axis=1, initial=0.0)
-    chi[lost] = np.nan
+    chi[lost | (chi > _IMPOSSIBLE)] = np.nan
     return Leak(chi, bound)

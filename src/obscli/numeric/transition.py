@@ -37,7 +37,7 @@ _MOST_TURN: Final = 2.0
 _MOST_PHASE: Final = 1.5
 _SWEEPS: Final = 60
 
-#: Panels all far from rest after so many sweeps are too long.
+#: Where the largest entries are far from rest after so many sweeps, panels are too long.
 _ENOUGH: Final = 24
 _FAR: Final = 1e-3
 _TERMS: Final = 12
@@ -241,7 +241,7 @@ class _Solver:
             change = np.abs(after - X).max(axis=1)
             stands = (change <= rounding).all(axis=(1, 2))
             X = after
-            if stands.all() or (sweep == _ENOUGH and not stands.any() and (change > _FAR * largest).any()):
+            if stands.all() or (sweep == _ENOUGH and change.max() > _FAR * largest.max()):
                 break
         return X, stands
 
