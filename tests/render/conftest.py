@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from obscli.core.check import Change, CheckResult, Counterexample, Indicator, Trajectories
 from obscli.core.place import Place
+from obscli.core.verification import CombinationCheck, Point, Verification
 from obscli.exact.finding import (
     Analysis,
     AtValues,
@@ -21,9 +23,18 @@ from obscli.exact.finding import (
 )
 from obscli.model.expression import ONE, ZERO, Apply, Symbol, add, divide, multiply, negate, number, power
 from obscli.model.system import Matrix, Model, Output, Parameter, State, System
+from obscli.numeric.finding import (
+    CoefficientCurve,
+    EchelonFinding,
+    Guess,
+    NotComputed,
+    NumericFinding,
+    NumericPoint,
+)
 from obscli.pipelines.analyze import AnalyzeReport
 from obscli.pipelines.request import Changes
-from obscli.pipelines.stage_result import StageResult
+from obscli.pipelines.stage_result import StageChecks, StageResult
+from obscli.pipelines.verify_report import VerifyReport
 
 
 HERE = Place("sample.yaml", 1, 1)
@@ -136,6 +147,120 @@ def report_of(*findings, **names):
     return AnalyzeReport(
         tuple(StageResult(model, finding.system, finding) for finding in findings), Changes()
     )
+
+
+def make_numeric(system, **changes):
+    """Six states at three instants, the first one undecided."""
+    points = tuple(
+        NumericPoint(
+            t=10.0 * k,
+            start=0.0,
+            rank=2 + (k > 1),
+            decided=k > 1,
+            gap=40.0 if k == 1 else 2.5e9,
+            tolerance=6.1e-15,
+            singular_values=(2.0, 1.0, 10.0 ** (k - 6), 2e-16, 1e-16, 0.0),
+            basis=None,
+        )
+        for k in (1, 2, 3)
+    )
+    defaults = {
+        "system": system, "method": "square-root", "rtol": 1e-14, "scaling": "automatic", "start": 0.0,
+        "default": True, "points": points, "rank": 3, "sampled": ("f_E", "f_N"), "window": 2.0,
+        "states": {"psi1": "observable", "psi2": "coupled", "psi3": "coupled", "b_g1": "coupled",
+                   "b_a1": "coupled", "M_g11": "unobservable"},
+        "groups": (("psi2", "b_a1"), ("psi3", "b_g1")),
+    }  # fmt: skip
+    return NumericFinding(**(defaults | changes))
+
+
+def make_verification(*, wrong=False):
+    """Three instants; where wrong, the second combination leaks."""
+    points = tuple(
+        Point(t=10.0 * k, r=3, q=4 - (k > 1), chi=0.094 if wrong else 10.0**-k, bound=2.0 * 10.0**-k,
+              gap=None if k == 1 else 2.5e9, conclusive=k > 1, agrees=k > 1 and not wrong)
+        for k in (1, 2, 3)
+    )  # fmt: skip
+    combinations = (
+        CombinationCheck("psi1", 1e-12, 2e-12, holds=True),
+        CombinationCheck(
+            "g*psi2", 0.094, 1e-12, holds=not wrong, correction="g*psi2 - b_a1" if wrong else ""
+        ),
+    )
+    verdict = "contradicted" if wrong else "verified"
+    return Verification(verdict, "χ speaks against it", "The diagnosis in words.", 6, points, combinations)
+
+
+def make_basis():
+    instants = (10.0, 20.0, 30.0)
+
+    def curve(pivot, free, guess, standing):
+        return CoefficientCurve(
+            pivot, free, instants, (-0.1, -0.2, -0.1), (1e-9,) * 3, guess, None, standing=standing
+        )
+
+    named = Guess(negate(divide(ONE, g)), 3e-14, 2e-14)
+    digits = Guess(
+        multiply(number(Fraction("0.10003293")), Apply("cos", multiply(omega, t))), 3e-7, 2e-8, in_digits=True
+    )
+    return EchelonFinding(
+        ("psi1", "psi2", "psi3"),
+        (
+            curve("psi2", "b_a1", named, "proved"),
+            curve("psi2", "M_g11", digits, "guess"),
+            curve("psi3", "b_g1", Guess(None, reason="no form of the dictionary fits"), "not identified"),
+        ),
+    )
+
+
+@pytest.fixture
+def compared():
+    """Four stages held against the Gramian: all sections; the Gramian alone; contradicted; not computed."""
+    systems = [make_system(f"stage_{k}") for k in (1, 2, 3, 4)]
+    model = make_model(systems)
+    rest = {"critical": None, "neglect": (), "advice": (), "notes": (), "certificate": None, "quantities": ()}
+    both = make_analysis(systems[0], **rest)
+    return AnalyzeReport(
+        (
+            StageResult(model, systems[0], both, make_numeric(systems[0]), make_verification(), make_basis(), "verify"),
+            StageResult(model, systems[1], None, make_numeric(systems[1], window=None), None, make_basis(), "numeric"),
+            StageResult(model, systems[2], both, make_numeric(systems[2], sampled=()), make_verification(wrong=True),
+                        None, "verify"),
+            StageResult(model, systems[3], None, NotComputed("parameter without a value: a"), None, None, "numeric"),
+        ),
+        Changes(),
+    )  # fmt: skip
+
+
+@pytest.fixture
+def checked():
+    """Checks of every kind, with all that can be said of a false one."""
+    system = make_system()
+    trajectories = Trajectories((0.0, 5.0), {"b_g1": (0.1, 0.1)}, (0.1, 0.1), 3e-16)
+    example = Counterexample({"b_g1": "omega", "M_g12": "-1"}, "omega", True, trajectories)
+    changes = (
+        Change("b_g1", "omega*M_g12", "b_g1 + omega*M_g12", "lacks + omega*M_g12"),
+        Change("b_g1", "-b_a1", "b_g1 - b_a1", "lacks - b_a1"),
+    )
+    place = Place("claims.yaml", 4, 7)
+    return VerifyReport(
+        (
+            StageChecks(
+                make_model([system]), system,
+                (
+                    CheckResult("rank 3", "holds", "proved exactly", place, Indicator(2, 3)),
+                    CheckResult("these rows are a basis", "holds", "proved", place, Indicator(2, 2, 3e-9, 2e-8),
+                                transformation=(("1", "0"), ("omega", "1"))),
+                    CheckResult("b_g1 is observable", "fails", "not observable", place, Indicator(0, 2, 0.094, 1e-9),
+                                changes, example),
+                    CheckResult("these 2 combinations are a complete basis", "fails", "one row is wrong", place,
+                                verification=make_verification(wrong=True)),
+                    CheckResult("psi1 is observable", "undecided", "whether a is zero", place),
+                ),
+                make_verification(),
+            ),
+        )
+    )  # fmt: skip
 
 
 @pytest.fixture

@@ -33,3 +33,18 @@ def test_report_is_as_agreed(report, name, form, surface):
     expected = (GOLDEN / name).read_text(encoding="utf-8")
 
     assert text == expected
+
+
+@pytest.mark.parametrize("kind", ["compared", "checked"])
+@pytest.mark.parametrize(
+    ("suffix", "form", "surface"),
+    [
+        ("80.txt", "terminal", Surface(width=80, details=True)),
+        ("120.txt", "terminal", Surface(width=120)),
+        ("md", "markdown", Surface(details=True)),
+        ("tex", "latex", Surface(details=True)),
+        ("json", "json", Surface()),
+    ],
+)
+def test_the_two_sides_compared_are_as_agreed(request, kind, suffix, form, surface):
+    test_report_is_as_agreed(request.getfixturevalue(kind), f"{kind}.{suffix}", form, surface)

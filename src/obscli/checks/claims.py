@@ -151,7 +151,8 @@ def _assertions(
     if claim.basis is not None:
         rows = claim.basis
         size = f" (rank {judge.analysis.rank})" if judge else ""
-        text = f"these {len(rows)} combinations are a complete basis{size}"
+        these = "this combination is" if len(rows) == 1 else f"these {len(rows)} combinations are"
+        text = f"{these} a complete basis{size}"
         place = rows[0].place if rows else claim.place
         exact, seen = partial(ExactClaim.complete, basis=rows), partial(Witness.basis, covectors=images(rows))
         yield replace(one(text, place, exact, seen), basis=rows)

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from obscli.core.number import counted
+
 
 @dataclass(frozen=True, slots=True)
 class Seen:
@@ -36,8 +38,9 @@ class Seen:
 def diagnose(seen: Seen) -> str:
     """Return the diagnosis in words."""
     if seen.above is not None:
+        above = counted(seen.above, "direction")
         return (
-            f"The Gramian shows {seen.above} directions far above its tolerance, algebra {seen.expected}: "
+            f"The Gramian shows {above} far above its tolerance, algebra {seen.expected}: "
             "one of the two sides is wrong. Please report it."
         )
     if seen.kernel is None:
@@ -45,10 +48,9 @@ def diagnose(seen: Seen) -> str:
     total = seen.rows + seen.kernel
     early = _early(seen)
     if total > seen.n:
-        more = total - seen.n
         return (
-            f"r + q > n ({total} > {seen.n}) at all times: certainly an error, {more} "
-            f"{'row' if more == 1 else 'rows'} too many or rows that are not observable.{early}"
+            f"r + q > n ({total} > {seen.n}) at all times: certainly an error, "
+            f"{counted(total - seen.n, 'row')} too many or rows that are not observable.{early}"
         )
     if seen.leaking:
         return (

@@ -153,7 +153,7 @@ class ExactClaim:
         states = self.exact.system.state_names
         corrected = covector_text(one.corrected, states)
         before = self.image[id(quantity)]
-        words = "; ".join(_changed(state, before, one.corrected) for state in one.change)
+        words = " and ".join(_changed(state, before, one.corrected) for state in one.change)
         return Change(text_of(quantity), covector_text(one.change, states), corrected, words)
 
     def _incomplete(self, basis: tuple[Quantity, ...]) -> list[str]:
@@ -191,8 +191,8 @@ def _changed(state: str, before: Covector, after: Covector) -> str:
         term = covector_text({state: after[state]}, (state,))
         return f"lacks - {term[1:]}" if term.startswith("-") else f"lacks + {term}"
     if state not in after:
-        return f"the term in {state} is too much"
-    return f"the coefficient of {state} should be {to_text(after[state])}, not {to_text(before[state])}"
+        return f"has a term in {state} too much"
+    return f"has {to_text(before[state])} where {state} needs {to_text(after[state])}"
 
 
 def quantities_of(claim: Claim) -> Iterable[Quantity]:

@@ -14,7 +14,7 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from obscli.core.check import Indicator
-from obscli.core.number import short
+from obscli.core.number import counted, short
 from obscli.model.system import Covector
 from obscli.numeric.analysis import Numeric
 from obscli.numeric.echelon import echelon_curves
@@ -75,11 +75,11 @@ class Witness:
             return Testimony("silent", "the Gramian decides the rank at no instant", Indicator(0, count))
         agree = Indicator(int((ranks == asserted).sum()), count)
         top = int(ranks.max())
+        shown = counted(top, "direction")
         if top > asserted:
-            return Testimony("denies", f"the Gramian shows {top} directions far above its tolerance", agree)
+            return Testimony("denies", f"the Gramian shows {shown} far above its tolerance", agree)
         if top < asserted:
-            words = f"the Gramian shows only {top} directions above its tolerance"
-            return Testimony("silent", words, agree)
+            return Testimony("silent", f"the Gramian shows only {shown} above its tolerance", agree)
         return Testimony("agrees", f"the Gramian agrees {at_instants(agree)}", agree)
 
     def observable(self, covectors: Sequence[Covector]) -> Testimony:

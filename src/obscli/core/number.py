@@ -1,4 +1,4 @@
-"""The one place where a float becomes text."""
+"""The one place where a float, or a count of things, becomes text."""
 
 from __future__ import annotations
 
@@ -34,3 +34,8 @@ def json_number(value: float | None) -> float | str | None:
     if math.isinf(value):
         return "inf" if value > 0 else "-inf"
     return float(value)
+
+
+def counted(count: int, noun: str) -> str:
+    """Return ``1 state``, ``2 states``."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

@@ -21,9 +21,8 @@ from obscli.core.document import (
     line,
     plain,
 )
-from obscli.core.number import short
+from obscli.core.number import counted, short
 from obscli.pipelines.describe.verification import comparison_blocks
-from obscli.pipelines.describe.words import counted
 from obscli.pipelines.stage_result import StageChecks
 
 
@@ -74,20 +73,22 @@ def _grounds(check: CheckResult) -> str:
 
 def _what_is_wrong(check: CheckResult) -> Iterator[Block]:
     """Yield what would be right, and what the claim gets wrong, in words."""
-    if check.corrections:
-        yield Note("note", plain(_corrected(check.corrections)))
+    for of in dict.fromkeys(change.of for change in check.corrections):
+        yield Note("note", plain(_corrected([change for change in check.corrections if change.of == of])))
     one = check.counterexample
-    if one is not None:
-        yield Note("note", plain(_told_apart(one)))
+    if one is None:
+        return
+    if not check.corrections:
+        yield Note("note", plain("no change of up to three of its coefficients makes it observable"))
+    yield Note("note", plain(_told_apart(one)))
 
 
-def _corrected(changes: tuple[Change, ...]) -> str:
-    """Return the corrections, those of one combination as alternatives."""
-    return "; ".join(
-        f"{of} "
-        + " or ".join(f"{one.words}: {one.corrected} is observable" for one in changes if one.of == of)
-        for of in dict.fromkeys(change.of for change in changes)
-    )
+def _corrected(changes: list[Change]) -> str:
+    """Return what one combination gets wrong, and the nearest observable ones: equally small changes."""
+    several = "s" if len(changes) > 1 else ""
+    words = ", or ".join(one.words for one in changes)
+    nearest = ", or ".join(one.corrected for one in changes)
+    return f"{changes[0].of} {words}; nearest observable combination{several}: {nearest}"
 
 
 def _told_apart(one: Counterexample) -> str:

@@ -13,6 +13,7 @@ from obscli.core.document import (
     Heading,
     Inline,
     Note,
+    Paragraph,
     Table,
     Text,
     VerdictLine,
@@ -72,7 +73,8 @@ def gramian_blocks(result: StageResult) -> Iterator[Block]:
         yield Note("note", plain(text))
     table = Table(POINT_COLUMNS, tuple(_rows(found)), (Text(LEGEND, "faint"),))
     yield table if result.shown == "numeric" else Details((table,))
-    yield Details((Table(POINT_COLUMNS, tuple(_row(found, (point,)) for point in found.points)),))
+    every = Table(POINT_COLUMNS, tuple(_row(found, (point,)) for point in found.points))
+    yield Details((Paragraph(plain("At every instant:")), every))
 
 
 def _facts(found: NumericFinding) -> Iterator[tuple[Cell, ...]]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from obscli.core.document import Block, Paragraph, Text
+from obscli.core.number import counted
 from obscli.exact.finding import Analysis
-from obscli.pipelines.describe.words import counted
 from obscli.pipelines.stage_result import StageResult
 
 

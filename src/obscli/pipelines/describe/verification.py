@@ -20,7 +20,7 @@ from obscli.core.document import (
     plain,
 )
 from obscli.core.number import short
-from obscli.core.verification import NotVerified, Point, Verification
+from obscli.core.verification import CombinationCheck, NotVerified, Point, Verification
 from obscli.exact.finding import Analysis, Undecided
 from obscli.numeric.finding import NotComputed, NumericFinding
 from obscli.pipelines.describe.instants import runs, span
@@ -67,15 +67,16 @@ def comparison_blocks(found: Verification) -> Iterator[Block]:
     """Yield one comparison: instants put together, the diagnosis, the combinations that leak."""
     rows = tuple(_row(found, run) for run in runs(found.points, lambda p: (p.q, p.conclusive, p.agrees)))
     yield Table(POINT_COLUMNS, rows, (Text(LEGEND, "faint"),))
-    yield Details((Table(POINT_COLUMNS, tuple(_row(found, (point,)) for point in found.points)),))
+    every = Table(POINT_COLUMNS, tuple(_row(found, (point,)) for point in found.points))
+    yield Details((Paragraph(plain("At every instant:")), every))
     yield Paragraph(plain(found.diagnosis))
-    leaking = tuple(_combination(one.expression, one.chi, one.bound, "leaks", one.correction)
-                    for one in found.combinations if one.holds is False)  # fmt: skip
+    leaking = tuple(_combination(one) for one in found.combinations if one.holds is False)
     if leaking:
         yield Table(COMBINATION_COLUMNS, leaking)
-    others = tuple(_combination(one.expression, one.chi, one.bound, "", "")
-                   for one in found.combinations if one.holds is not False)  # fmt: skip
-    yield Details((Table(COMBINATION_COLUMNS, others),))
+    others = tuple(_combination(one) for one in found.combinations if one.holds is not False)
+    yield Details(
+        (Paragraph(plain("Every other combination, at its worst:")), Table(COMBINATION_COLUMNS, others))
+    )
 
 
 def _row(found: Verification, run: tuple[Point, ...]) -> tuple[Cell, ...]:
@@ -103,15 +104,15 @@ def _sign(point: Point) -> Text:
     return Text("✓", "good") if point.agrees else Text("✗", "bad")
 
 
-def _combination(
-    text: str, chi: float | None, bound: float | None, word: str, correction: str
-) -> tuple[Cell, ...]:
-    remark = f"{word}: {correction}" if correction else word
+def _combination(one: CombinationCheck) -> tuple[Cell, ...]:
+    word = {True: "", False: "leaks", None: "not clear"}[one.holds]
     return (
-        line(Text(text)),
-        line(Text("–" if chi is None else short(chi))),
-        line(Text("–" if bound is None else short(bound))),
-        line(Text(remark, "bad" if word else "plain")),
+        line(Text(one.expression)),
+        line(Text("–" if one.chi is None else short(one.chi))),
+        line(Text("–" if one.bound is None else short(one.bound))),
+        line(
+            Text(f"{word}; nearest: {one.correction}" if one.correction else word, "bad" if word else "plain")
+        ),
     )
 
 

@@ -28,8 +28,3 @@ def names(items: tuple[str, ...]) -> Inline:
     for item in items:
         content += [Text(" "), Text(item, "name")]
     return tuple(content[1:])
-
-
-def counted(count: int, noun: str) -> str:
-    """Return ``1 state``, ``2 states``."""
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
