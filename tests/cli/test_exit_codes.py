@@ -35,6 +35,16 @@ def analyze(system, options, progress):
     raise RuntimeError("the engine is broken")
 engine.analyze = analyze
 """
+LYING = """
+import obscli.exact.analysis as engine
+from dataclasses import replace
+truly = engine.analyze
+def analyze(system, options, progress):
+    found = truly(system, options, progress)
+    wrong = replace(found.combinations[0], coefficients={"drift": found.combinations[0].coefficients["tilt"]})
+    return replace(found, combinations=(wrong, *found.combinations[1:]))
+engine.analyze = analyze
+"""
 UNDECIDED = """
 import obscli.exact.analysis as engine
 from obscli.exact.finding import Undecided
@@ -56,6 +66,26 @@ def test_false_claim_is_1(integrator):
 
     assert (status, err) == (1, "")
     assert "✗" in out
+
+
+def test_false_claim_is_1_also_where_only_the_gramian_can_tell(stages):
+    """The exact side is undecided; the Gramian alone refutes with certainty."""
+    status, out, err = finished(
+        obscli_process("verify", stages, "--stage", "still", "--claim", "drift", prepare=UNDECIDED)
+    )
+
+    assert (status, err) == (1, "")
+    assert "the Gramian denies it" in " ".join(out.split())
+
+
+def test_an_analysis_that_the_gramian_contradicts_is_1(stages):
+    given = ("analyze", stages, "--stage", "still", "--no-critical", "--only", "verify")
+
+    status, out, err = finished(obscli_process(*given, prepare=LYING))
+
+    assert (status, err) == (1, "")
+    assert "contradicted by the Gramian" in " ".join(out.split())
+    assert finished(obscli_process(*given))[0] == 0
 
 
 def test_usage_is_2(integrator):

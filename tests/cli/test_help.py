@@ -6,7 +6,9 @@ import sys
 import pytest
 
 
+GRAMIAN = ["--from", "--to", "--samples", "--times", "--gramian", "--rtol", "--scaling", "--plot"]
 ANALYZE = [
+    *GRAMIAN,
     "--format",
     "--output",
     "--stage",
@@ -21,8 +23,29 @@ ANALYZE = [
     "--only",
     "--strict",
 ]
-VERIFY = ["--certificate", "--claims", "--claim", "--stage", "--format", "--output", "--strict"]
-HEAVY = ("numpy", "scipy", "sympy", "flint", "yaml", "rich.console", "obscli.exact.analysis")
+VERIFY = [
+    *GRAMIAN,
+    "--certificate",
+    "--claims",
+    "--claim",
+    "--stage",
+    "--set",
+    "--format",
+    "--output",
+    "--details",
+    "--strict",
+]
+HEAVY = (
+    "numpy",
+    "scipy",
+    "sympy",
+    "matplotlib",
+    "flint",
+    "yaml",
+    "rich.console",
+    "obscli.exact.analysis",
+    "obscli.numeric",
+)
 
 
 @pytest.mark.parametrize(("command", "options"), [("analyze", ANALYZE), ("verify", VERIFY)])

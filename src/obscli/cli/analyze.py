@@ -68,7 +68,7 @@ def analyze(  # noqa: PLR0913 - one parameter an option
     from obscli.api import analyze as run  # noqa: PLC0415 - heavy imports inside command bodies
     from obscli.cli.exit_codes import ExitCode  # noqa: PLC0415
     from obscli.cli.figures import draw  # noqa: PLC0415
-    from obscli.cli.numeric import numeric_request  # noqa: PLC0415
+    from obscli.cli.numeric import forbid_numeric, numeric_request  # noqa: PLC0415
     from obscli.cli.output import deliver  # noqa: PLC0415
     from obscli.cli.progress import ProgressLine  # noqa: PLC0415
     from obscli.cli.refusals import refusals  # noqa: PLC0415
@@ -77,6 +77,8 @@ def analyze(  # noqa: PLR0913 - one parameter an option
     numeric = numeric_request(
         start=start, stop=stop, samples=samples, times=times, method=gramian, rtol=rtol, scaling=scaling
     )
+    if only == "analytic":
+        forbid_numeric(numeric, plot, "--only analytic")
     changes = Changes(pairs("--set", settings), pairs("--fix", fix), names(outputs), names(without))
     request = AnalyzeRequest(
         stages=tuple(stage or ()),

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
+from obscli.cli.errors import CommandError
 from obscli.cli.texts import names
 
 
@@ -22,8 +24,17 @@ def numeric_request(
     rtol: float | None,
     scaling: str | None,
 ) -> NumericRequest:
-    """Return the request; the choices were checked by their options."""
+    """Return the request; the choices were checked by their options.
+
+    Raises
+    ------
+    CommandError
+        where the instants are given and counted too
+    """
     from obscli.pipelines.request import NumericRequest  # noqa: PLC0415 - heavy imports inside command bodies
+
+    if times and (stop is not None or samples is not None):
+        raise CommandError("--times gives the instants themselves; leave out --to and --samples")
 
     return NumericRequest(
         start=start,
@@ -34,3 +45,17 @@ def numeric_request(
         rtol=rtol,
         scaling=cast("Scaling | None", scaling),
     )
+
+
+def forbid_numeric(numeric: NumericRequest, plot: Path | None, where: str) -> None:
+    """Refuse options about the Gramian where none is found.
+
+    Raises
+    ------
+    CommandError
+        where there is such an option
+    """
+    from obscli.pipelines.request import NumericRequest  # noqa: PLC0415
+
+    if plot is not None or numeric != NumericRequest():
+        raise CommandError(f"{where} finds no Gramian; leave out --plot and what is about the Gramian")

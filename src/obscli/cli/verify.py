@@ -75,7 +75,7 @@ def verify(  # noqa: PLR0913 - one parameter an option
     """Check the proof of the rank and everything that models claim and expect, by algebra and Gramian."""
     from obscli.cli.exit_codes import ExitCode  # noqa: PLC0415 - heavy imports inside command bodies
     from obscli.cli.figures import draw  # noqa: PLC0415
-    from obscli.cli.numeric import numeric_request  # noqa: PLC0415
+    from obscli.cli.numeric import forbid_numeric, numeric_request  # noqa: PLC0415
     from obscli.cli.output import deliver  # noqa: PLC0415
     from obscli.cli.progress import ProgressLine  # noqa: PLC0415
     from obscli.cli.refusals import refusals  # noqa: PLC0415
@@ -93,6 +93,8 @@ def verify(  # noqa: PLR0913 - one parameter an option
     numeric = numeric_request(
         start=start, stop=stop, samples=samples, times=times, method=gramian, rtol=rtol, scaling=scaling
     )
+    if certificate:
+        forbid_numeric(numeric, plot, "--certificate")
     with refusals(), ProgressLine() as progress:
         if certificate:
             report = _certificates(files[0], certificate, stages, progress)

@@ -9,3 +9,7 @@ class NotComputableError(ValueError):
 
 class TooManyStepsError(NotComputableError):
     """An interval that would take more steps than are made; a shorter one may do."""
+
+
+class UnfitRequestError(NotComputableError):
+    """What the user asked for does not fit the system: an empty interval, sizes the file does not give."""

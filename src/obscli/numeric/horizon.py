@@ -9,7 +9,7 @@ import numpy as np
 
 from obscli.model.expression import Expression
 from obscli.model.system import System
-from obscli.numeric.errors import NotComputableError
+from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.numeric_system import NumericSystem, constants_of
 from obscli.numeric.program import Array, constant_value
 from obscli.numeric.rates import rates_of
@@ -54,7 +54,8 @@ def horizon_of(system: System, wanted: Wanted) -> Horizon:
     Raises
     ------
     NotComputableError
-        where an end is no number, or the instants do not follow the start
+        where an end is no number, or the instants do not follow the start (``UnfitRequestError`` where the
+        user asked for them)
     """
     given = system.interval
     start_given = wanted.start or (given.start if given else None)
@@ -62,7 +63,7 @@ def horizon_of(system: System, wanted: Wanted) -> Horizon:
     if wanted.times:
         instants = np.unique([_number(system, one, "an instant") for one in wanted.times])
         if instants[0] <= start:
-            raise NotComputableError(
+            raise UnfitRequestError(
                 f"the instant {instants[0]:.6g} is not after the start {start:.6g} of the interval "
                 "(--from moves the start)"
             )
@@ -71,7 +72,9 @@ def horizon_of(system: System, wanted: Wanted) -> Horizon:
     origin: Literal["given", "default"] = "given" if stop_given is not None else "default"
     stop = _default_stop(system, start) if stop_given is None else _number(system, stop_given, "the stop")
     if stop <= start:
-        raise NotComputableError(f"the interval stops at {stop:.6g}, not after its start {start:.6g}")
+        asked = wanted.start is not None or wanted.stop is not None
+        unfit = UnfitRequestError if asked else NotComputableError
+        raise unfit(f"the interval stops at {stop:.6g}, not after its start {start:.6g}")
     samples = wanted.samples or (given.samples if given else None) or default_samples(system.n)
     return Horizon(start, start + (stop - start) * np.arange(1, samples + 1) / samples, origin)
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from obscli.model.expression import Expression
 from obscli.model.system import System
-from obscli.numeric.errors import NotComputableError
+from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.gramian import Gramian
 from obscli.numeric.numeric_system import constants_of
 from obscli.numeric.program import Array, constant_value
@@ -31,8 +31,10 @@ def scaled(gramian: Gramian, system: System, scaling: Scaling) -> Gramian:
 
     Raises
     ------
-    NotComputableError
+    UnfitRequestError
         where the file does not give the sizes asked for, for every state
+    NotComputableError
+        where one of them is not positive
     """
     if scaling == "automatic":
         return gramian.in_units(_equilibrating(gramian))
@@ -67,7 +69,7 @@ def _given(system: System, scaling: Scaling) -> Array:
     missing = [state.name for state in system.states if named.get(state.name) is None]
     if missing:
         where = "`scale` of the states" if scaling == "scale" else "`P0_std` under `noise`"
-        raise NotComputableError(f"--scaling {scaling} needs {where}; missing for {', '.join(missing[:6])}")
+        raise UnfitRequestError(f"--scaling {scaling} needs {where}; missing for {', '.join(missing[:6])}")
     constants = constants_of(system)
     sizes = [constant_value(named[state.name], constants) for state in system.states]  # type: ignore[arg-type]
     bad = [s.name for s, size in zip(system.states, sizes, strict=True) if not 0 < size < np.inf]

@@ -91,7 +91,7 @@ def _with_gramian(result: StageResult, request: AnalyzeRequest, progress: Progre
     from obscli.pipelines.numerical import basis_in_time, numeric_of, verify_analysis  # noqa: PLC0415
 
     progress("Gramian")
-    numeric = numeric_of(result.system, request.numeric, progress)
+    numeric = numeric_of(result.model, result.system, request.numeric, progress)
     if result.finding is not None:
         result = replace(result, verification=verify_analysis(result.finding, numeric))
     if isinstance(numeric, NotComputed):

@@ -14,16 +14,16 @@ from obscli.exact.finding import Analysis, Undecided
 from obscli.model.covector import parse_scalar
 from obscli.model.expression import Expression
 from obscli.model.specialise import at_nominal
-from obscli.model.system import Covector, System
+from obscli.model.system import Covector, Model, System
 from obscli.numeric import analysis as engine
 from obscli.numeric.analysis import Numeric
 from obscli.numeric.echelon import echelon_curves
-from obscli.numeric.errors import NotComputableError
+from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import EchelonFinding, NotComputed
 from obscli.numeric.horizon import Wanted
 from obscli.numeric.identify import identified
 from obscli.numeric.settings import Settings
-from obscli.pipelines.request import NumericRequest, Progress, silent
+from obscli.pipelines.request import NumericRequest, Progress, RequestError, silent
 
 
 def settings_of(system: System, request: NumericRequest) -> Settings:
@@ -47,23 +47,37 @@ def settings_of(system: System, request: NumericRequest) -> Settings:
     return Settings(wanted, request.method, request.rtol, request.scaling)
 
 
-def numeric_of(system: System, request: NumericRequest, progress: Progress = silent) -> Numeric | NotComputed:
-    """Return the Gramian of a system, or why there is none."""
+def numeric_of(
+    model: Model, system: System, request: NumericRequest, progress: Progress = silent
+) -> Numeric | NotComputed:
+    """Return the Gramian of a system of a model, or why there is none.
+
+    Raises
+    ------
+    ModelError
+        where an instant is no expression in the names of the system
+    RequestError
+        where what was asked for does not fit the system
+    """
     try:
         return engine.analyze(system, settings_of(system, request), progress)
+    except UnfitRequestError as error:
+        raise RequestError(f"{model.file}: {error}") from error
     except NotComputableError as error:
         return NotComputed(str(error))
 
 
 class Looks:
-    """Finds the Gramian of systems, of each once.
+    """Finds the Gramian of systems of a model, of each once.
 
     Parameters
     ----------
+    model : whose systems they are
     request : how it is to be found
     """
 
-    def __init__(self, request: NumericRequest) -> None:
+    def __init__(self, model: Model, request: NumericRequest) -> None:
+        self._model = model
         self._request = request
         self._found: list[tuple[System, Numeric | NotComputed]] = []
 
@@ -72,7 +86,7 @@ class Looks:
         for known, found in self._found:
             if known is system:
                 return found
-        self._found.append((system, numeric_of(system, self._request)))
+        self._found.append((system, numeric_of(self._model, system, self._request)))
         return self._found[-1][1]
 
     def __call__(self, system: System) -> Numeric:

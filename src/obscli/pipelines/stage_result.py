@@ -35,11 +35,23 @@ class StageResult:
     @property
     def is_undecided(self) -> bool:
         """Whether anything that was asked about the stage's rank stayed undecided."""
-        if self.shown == "numeric":
-            return not isinstance(self.numeric, NumericFinding) or self.numeric.rank is None
-        if self.shown == "verify":
-            return not isinstance(self.verification, Verification) or self.verification.verdict == "undecided"
-        return not isinstance(self.finding, Analysis) or bool(self.finding.undecided)
+        match self.shown:
+            case "analytic":
+                return not self.is_proved
+            case "numeric":
+                return not isinstance(self.numeric, NumericFinding) or self.numeric.rank is None
+            case "verify":
+                return not self._is_compared
+        return not (self.is_proved and self._is_compared)
+
+    @property
+    def is_proved(self) -> bool:
+        """Whether the exact side decided everything."""
+        return isinstance(self.finding, Analysis) and not self.finding.undecided
+
+    @property
+    def _is_compared(self) -> bool:
+        return isinstance(self.verification, Verification) and self.verification.verdict != "undecided"
 
     @property
     def is_contradicted(self) -> bool:

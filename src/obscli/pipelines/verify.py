@@ -82,7 +82,7 @@ def _with_claims(system: System, texts: tuple[str, ...]) -> System:
 
 def _checked(model: Model, system: System, request: NumericRequest) -> StageChecks:
     finding = engine.analyze(system, engine.Options(critical=False), silent)
-    look = Looks(request)
+    look = Looks(model, request)
     verification = verify_analysis(finding, look.numeric(system))
     checks = (_certified(system, finding), _agreed(verification), *check_claims(system, finding, look))
     return StageChecks(model, system, checks, verification)

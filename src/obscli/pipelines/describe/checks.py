@@ -106,7 +106,7 @@ def _told_apart(one: Counterexample) -> str:
 def _transformation(check: CheckResult) -> Table:
     """Return T(t): the claimed basis = T · proved basis."""
     rows = tuple(
-        (line(Text(str(k), "faint")), line(Text(" + ".join(_terms(row)))))
+        (line(Text(str(k), "faint")), line(Text(" + ".join(_terms(row)).replace("+ -", "- "))))
         for k, row in enumerate(check.transformation, 1)
     )
     caption = "The claimed rows by those of the proved basis (s1, s2, … in the order of `obscli analyze`)."
@@ -115,10 +115,10 @@ def _transformation(check: CheckResult) -> Table:
 
 def _terms(row: tuple[str, ...]) -> Iterator[str]:
     for k, entry in enumerate(row, 1):
-        if entry == "1":
-            yield f"s{k}"
+        if entry in {"1", "-1"}:
+            yield f"{entry[:-1]}s{k}"
         elif entry != "0":
-            yield f"({entry}) s{k}"
+            yield f"({entry})*s{k}" if " " in entry else f"{entry}*s{k}"
 
 
 def _summary(checks: list[CheckResult]) -> Block:

@@ -136,7 +136,7 @@ def _verdict(result: StageResult) -> tuple[Kind, str]:
             exact = ""
     if not isinstance(found, Verification):
         seen = _numeric_verdict(numeric)
-        kind: Kind = "good" if result.finding is not None and not result.is_undecided else "open"
+        kind: Kind = "good" if result.is_proved else "open"
         if result.finding is None:
             kind = "info" if isinstance(numeric, NumericFinding) and numeric.rank is not None else "open"
         return kind, "; ".join(part for part in (exact, seen) if part)
