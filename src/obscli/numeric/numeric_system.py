@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Final
 
 import numpy as np
 
@@ -16,7 +17,10 @@ from obscli.model.expression import Derivative, Expression, postorder, symbols
 from obscli.model.system import Covector, Matrix, Parameter, System
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.motion import Motion
-from obscli.numeric.program import ROUNDING, Array, Program, Value, constant_value
+from obscli.numeric.program import ROUNDING, Array, Program, Value, constant_error, constant_value
+
+
+_UNKNOWN: Final = 1e100
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,7 +85,7 @@ class NumericSystem:
         found = self._program.run_rounded(values, self.errors(values))
         A, H = self._matrices(t, [entry.value for entry in found])
         A_error, H_error = self._placed(len(t), [entry.error for entry in found])
-        return Coefficients(A, H, np.nan_to_num(A_error), np.nan_to_num(H_error))
+        return Coefficients(A, H, _known(A_error), _known(H_error))
 
     def matrices(self, t: Array) -> tuple[Array, Array]:
         """Return A's moving rows and H at k instants, without errors: half the work of ``coefficients``."""
@@ -117,7 +121,7 @@ class NumericSystem:
             for name in row:
                 entry = next(found)
                 result[:, k, place[name]], errors[:, k, place[name]] = entry.value, entry.error
-        return result, np.nan_to_num(errors)
+        return result, _known(errors)
 
     def values(self, t: Array, orders: Mapping[str, int]) -> dict[str, Value]:
         """Return time, parameters and functions at instants, derivatives up to the orders asked for."""
@@ -125,15 +129,21 @@ class NumericSystem:
         return {**self.constants, **moving, self.system.time: t}
 
     def errors(self, values: Mapping[str, Value]) -> dict[str, Value]:
-        """Return the errors of the values: of the instants by rounding, of functions as they are sampled.
-
-        Parameters are exact: everything is evaluated at the doubles nearest to their values.
-        """
+        """Return the errors of the values: of time and parameters by rounding, of functions as sampled."""
         relative = max(ROUNDING, self.motion.error if self.motion else 0.0)
         found = {
             name: relative * np.abs(value) for name, value in values.items() if name not in self.constants
         }
-        return {**found, self.system.time: ROUNDING * np.abs(values[self.system.time])}
+        return {
+            **found,
+            **self._constant_errors,
+            self.system.time: ROUNDING * np.abs(values[self.system.time]),
+        }
+
+    @cached_property
+    def _constant_errors(self) -> dict[str, Value]:
+        nominal = {one.name: one.nominal for one in self.system.parameters}
+        return {name: constant_error(value) for name, value in nominal.items() if value is not None}
 
     @cached_property
     def constant_states(self) -> Array:
@@ -156,6 +166,11 @@ class NumericSystem:
         system = self.system
         rows = system.state_names if name == "A" else tuple(one.name for one in system.outputs)
         return (f"{name}[{rows[i]}, {system.state_names[j]}]" for i, j in matrix.entries)
+
+
+def _known(error: Array) -> Array:
+    """Return errors, a large number where they are not finite: nothing is known there."""
+    return np.nan_to_num(error, nan=_UNKNOWN, posinf=_UNKNOWN)
 
 
 def constants_of(system: System) -> dict[str, float]:

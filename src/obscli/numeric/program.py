@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
+from itertools import accumulate
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -65,13 +66,13 @@ SLOPES: Final[Mapping[str, Callable[[Value, Value], Value]]] = {
     "acos": lambda u, _: 1 / np.sqrt(1 - u * u),
     "atan": lambda u, _: 1 / (1 + u * u),
     "exp": lambda _, f: f,
-    "log": lambda u, _: 1 / u,
+    "log": lambda u, _: np.reciprocal(u),
     "sinh": lambda u, _: np.cosh(u),
     "cosh": lambda u, _: np.sinh(u),
     "tanh": lambda _, f: 1 - f * f,
     "asinh": lambda u, _: 1 / np.sqrt(u * u + 1),
     "acosh": lambda u, _: 1 / np.sqrt(u * u - 1),
-    "atanh": lambda u, _: 1 / (1 - u * u),
+    "atanh": lambda u, _: np.reciprocal(1 - u * u),
 }
 
 
@@ -111,8 +112,8 @@ class Program:
     def run_rounded(self, values: Mapping[str, Value], errors: Mapping[str, Value]) -> list[Rounded]:
         """Return every root with its rounding error: 10⁶ − 10⁶ is 0, but not to 16 digits.
 
-        Every operation adds a random error of ``ROUNDING`` times its result, and passes on those of its
-        arguments by its derivative.
+        Every operation adds a random error of ``ROUNDING`` times its result, sums one with every term, and
+        passes on those of its arguments by its derivative.
 
         Parameters
         ----------
@@ -124,7 +125,7 @@ class Program:
             for node in self._nodes:
                 parts = [memo[id(part)] for part in children(node)]
                 value = _value(node, [part.value for part in parts], values)
-                memo[id(node)] = Rounded(value, _error(node, value, parts, errors))
+                memo[id(node)] = Rounded(value, np.sqrt(_squared_error(node, value, parts, errors)))
         return [memo[id(root)] for root in self._roots]
 
 
@@ -144,9 +145,19 @@ def _value(node: Expression, parts: Sequence[Value], values: Mapping[str, Value]
             return reduce(operator.mul, parts)
         case Power(_, exponent):
             return _power(parts[0], exponent)
-        case Apply(function, argument):
-            exact = apply_function(function, argument) if isinstance(argument, _CONSTANT) else None
-            return _nearest(exact.value) if isinstance(exact, Number) else FUNCTIONS[function](parts[0])
+        case Apply(function):
+            exact = _exact(node)
+            return FUNCTIONS[function](parts[0]) if exact is None else _nearest(exact)
+
+
+def _exact(node: Expression) -> Fraction | None:
+    """Return the rational value of numbers, and of functions where it is known."""
+    value = (
+        apply_function(node.function, node.argument)
+        if isinstance(node, Apply) and isinstance(node.argument, _CONSTANT)
+        else node
+    )
+    return value.value if isinstance(value, Number) else None
 
 
 def _power(base: Value, exponent: Fraction) -> Value:
@@ -161,19 +172,24 @@ def _nearest(value: Fraction) -> float:
     try:
         return float(value)
     except OverflowError:
-        return math.copysign(math.inf, value)
+        return math.inf if value > 0 else -math.inf
 
 
-def _error(node: Expression, value: Value, parts: Sequence[Rounded], errors: Mapping[str, Value]) -> Value:
+def _squared_error(
+    node: Expression, value: Value, parts: Sequence[Rounded], errors: Mapping[str, Value]
+) -> Value:
+    exact = _exact(node)
+    if exact is not None:
+        return 0.0 if value == exact else (ROUNDING * value) ** 2
     match node:
-        case Number() | Pi():
-            return 0.0
         case Symbol(name):
-            return errors.get(name, 0.0)
+            return errors.get(name, 0.0) ** 2
         case Derivative(name, order):
-            return errors.get(jet(name, order), 0.0)
+            return errors.get(jet(name, order), 0.0) ** 2
         case Sum():
-            passed = [part.error for part in parts]
+            partial = accumulate(part.value for part in parts)
+            next(partial)
+            return sum(((ROUNDING * one) ** 2 for one in partial), sum(part.error**2 for part in parts))
         case Product():
             passed = [
                 reduce(operator.mul, [other.value for other in (*parts[:k], *parts[k + 1 :])], part.error)
@@ -181,15 +197,18 @@ def _error(node: Expression, value: Value, parts: Sequence[Rounded], errors: Map
             ]
         case Power(_, exponent):
             u = parts[0]
-            passed = [0.0 if _is_exact(u) else _nearest(exponent) * value / u.value * u.error]
+            passed = [_passed_on(_nearest(exponent) * _power(u.value, exponent - 1), u.error)]
         case Apply(function):
             u = parts[0]
-            passed = [0.0 if _is_exact(u) else SLOPES[function](u.value, value) * u.error]
-    return np.sqrt(sum((one * one for one in passed), start=(ROUNDING * value) ** 2))
+            passed = [_passed_on(SLOPES[function](u.value, value), u.error)]
+        case _:  # pi
+            passed = []
+    return sum((one * one for one in passed), (ROUNDING * value) ** 2)
 
 
-def _is_exact(part: Rounded) -> bool:
-    return isinstance(part.error, float) and part.error == 0.0
+def _passed_on(slope: Value, error: Value) -> Value:
+    """Return slope times error; an argument without error has none to pass on where the slope is infinite."""
+    return np.where(np.equal(error, 0.0), 0.0, slope * error)
 
 
 def jet(name: str, order: int) -> str:
@@ -200,3 +219,8 @@ def jet(name: str, order: int) -> str:
 def constant_value(expression: Expression, values: Mapping[str, Value]) -> float:
     """Return the value of an expression free of time."""
     return float(Program([expression]).run(values)[0])
+
+
+def constant_error(expression: Expression) -> float:
+    """Return the rounding error of the value of an expression without symbols."""
+    return float(Program([expression]).run_rounded({}, {})[0].error)
