@@ -13,7 +13,7 @@ from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
-from obscli.numeric.program import Array
+from obscli.numeric.program import Array, Flags
 
 
 #: The squared error where nothing is known of the Gramian.
@@ -66,20 +66,18 @@ class Gramian:
         return replace(self, matrices=matrices, units=self.units * factors, error=error)
 
 
-def unit_diagonal(method: Method, instants: Array, start: float, W: Array, spread: Array) -> Gramian:
+def unit_diagonal(method: Method, instants: Array, start: float, W: Array, error: Array) -> Gramian:
     """Return Gramians W (N, n, n), given themselves, in units in which their diagonals are 1.
 
     Parameters
     ----------
-    spread : the error of W in these units as a norm, shape (N,); not finite where W is lost
+    error : E in these units, shape (N, n, n); not finite where W is lost
     """
-    n = W.shape[-1]
     size = diagonal_root(W)
     matrices = W / size[:, :, None] / size[:, None, :]
-    lost = ~(np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(spread))
+    lost: Flags = np.logical_not((np.isfinite(matrices) & np.isfinite(error)).all(axis=(1, 2)))
     matrices[lost], size[lost] = 0.0, 1.0
-    squared = np.where(lost, LOST, np.minimum(spread**2, LOST))
-    error = squared[:, None, None] * np.eye(n)
+    error = np.where(lost[:, None, None], LOST * np.eye(W.shape[-1]), error)
     starts, growth = np.full(len(instants), start), np.zeros(len(instants))
     return Gramian(method, instants, starts, matrices, 1 / size, error, growth)
 

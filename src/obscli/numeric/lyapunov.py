@@ -2,9 +2,14 @@
 
     dW/dt = −Aᵀ W − W A + Hᵀ H,    W(t0, t0) = 0
 
-with an explicit Runge–Kutta method of order 8 (DOP853). The integration is made a second time with ten times
-the tolerance; the difference of the two is the error that the rank decision is told of. W is the square of
-what ``square_root`` finds: so are its singular values, and half of the digits are gone.
+with an explicit Runge–Kutta method of order 8 (DOP853). Units of the states follow the size of W, so that the
+tolerance is relative to it however it grows: with Z = U W U, U = diag(u) and u'/u constant on pieces,
+
+    dZ/dt = −Bᵀ Z − Z B + (H U)ᵀ H U,    B = U⁻¹ A U − diag(u'/u)
+
+The integration is made a second time with ten times the tolerance; the difference of the two, and what is
+below the absolute tolerance, is the error that the rank decision is told of. W is the square of what
+``square_root`` finds: so are its singular values, and half of the digits are gone.
 
 References
 ----------
@@ -14,7 +19,8 @@ Equations I, II.10.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -26,13 +32,32 @@ from obscli.numeric.program import EPS, Array
 from obscli.numeric.rates import Rates
 from obscli.numeric.settings import Effort
 from obscli.numeric.square_root import square_root_gramian
+from obscli.numeric.transition import edges_of, longest_step
 
 
 #: The integration whose difference is the error estimate is this much coarser.
 _COARSER: Final = 10.0
 
-#: Entries are held to rtol down to this fraction of their final size.
+#: Entries are held to rtol down to this fraction of their size in units of the states.
 _FLOOR: Final = 1e-3
+
+#: A piece reaches back as long as no root of W's diagonal falls below this share of its size at the end.
+_SHARE: Final = 0.1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """A stretch of time, the units u at its end, and u'/u on it, shape (n,) each."""
+
+    start: float
+    stop: float
+    units: Array
+    rate: Array
+
+    def units_at(self, t: float) -> Array:
+        """Return u(t)."""
+        found: Array = self.units * np.exp(self.rate * (t - self.stop))
+        return found
 
 
 def lyapunov_gramian(
@@ -51,39 +76,74 @@ def lyapunov_gramian(
     NotComputableError
         where the integrator gives up, or a coefficient does not exist
     """
-    sizes = np.linalg.norm(
-        square_root_gramian(system, start, instants[-1:], rates, effort).matrices[0], axis=0
-    )
-    units = 1 / np.where(sizes > 0, sizes, 1.0)
-    fine = _integrate(system, start, instants, units, effort.rtol)
-    coarse = _integrate(system, start, instants, units, _COARSER * effort.rtol)
-    size = diagonal_root(fine)
+    knots = edges_of(start, instants, longest_step(rates), effort.most_steps)[1:]
+    roots = square_root_gramian(system, start, knots, rates, effort)
+    pieces = _pieces(start, knots, np.linalg.norm(roots.matrices, axis=1) / roots.units)
+    fine = _integrate(system, instants, pieces, effort.rtol)
+    coarse = _integrate(system, instants, pieces, _COARSER * effort.rtol)
     with np.errstate(invalid="ignore", over="ignore"):
+        size = diagonal_root(fine)
         change = (fine - coarse) / size[:, :, None] / size[:, None, :]
-        spread = np.linalg.norm(change, axis=(1, 2)) + system.n * EPS
-        found = unit_diagonal("lyapunov", instants, start, fine, spread)
-    return replace(found, units=found.units * units)
+        sizes = 1 / np.array([next(p for p in pieces if t <= p.stop).units_at(t) for t in instants])
+        below = _FLOOR * effort.rtol * ((sizes / size) ** 2).sum(axis=1)
+        spread = np.linalg.norm(change, axis=(1, 2)) + below + system.n * EPS
+        error = spread[:, None, None] ** 2 * np.eye(system.n)
+        return unit_diagonal("lyapunov", instants, start, fine, error)
 
 
-def _integrate(system: NumericSystem, start: float, instants: Array, units: Array, rtol: float) -> Array:
-    """Return W in units of the states, shape (N, n, n)."""
+def _pieces(start: float, knots: Array, sizes: Array) -> list[Piece]:
+    """Return the pieces in order, given the roots of W's diagonal at the knots, shape (k, n)."""
+    sizes = np.where((sizes > 0) & np.isfinite(sizes), sizes, 1.0)
+    ends = [len(knots) - 1]
+    for i in reversed(range(len(knots) - 1)):
+        if (sizes[i] < _SHARE * sizes[ends[-1]]).any():
+            ends.append(i)
+    pieces: list[Piece] = []
+    before = ends[-1]
+    for end in reversed(ends):
+        a = pieces[-1].stop if pieces else start
+        rate = np.log(sizes[before] / sizes[end]) / (knots[end] - a)
+        pieces.append(Piece(a, float(knots[end]), 1 / sizes[end], rate))
+        before = end
+    return pieces
+
+
+def _integrate(system: NumericSystem, instants: Array, pieces: Sequence[Piece], rtol: float) -> Array:
+    """Return W at the instants in the file's units, shape (N, n, n)."""
+    W, found = np.zeros((system.n, system.n)), []
+    for piece in pieces:
+        inside = instants[(instants > piece.start) & (instants <= piece.stop)]
+        wanted = np.union1d(inside, [piece.stop])
+        u = piece.units_at(piece.start)
+        Z = _integrate_piece(system, piece, wanted, W * u * u[:, None], rtol)
+        units = np.array([piece.units_at(t) for t in wanted])
+        parts = Z / units[:, :, None] / units[:, None, :]
+        found.append(parts[: len(inside)])
+        W = parts[-1]
+    return np.concatenate(found)
+
+
+def _integrate_piece(
+    system: NumericSystem, piece: Piece, instants: Array, initial: Array, rtol: float
+) -> Array:
+    """Return Z at instants of a piece, shape (N, n, n), given Z at its start."""
     from scipy.integrate import solve_ivp  # noqa: PLC0415 - half a second to import, for this method only
 
     n, moving = system.n, system.moving
-    ratio = units / units[moving][:, None]
 
-    def right_side(t: float, w: Array) -> Array:
+    def right_side(t: float, z: Array) -> Array:
         A, H = system.matrices(np.array([t]))
-        h = H[0] * units
-        product = w.reshape(n, n)[:, moving] @ (A[0] * ratio)
+        u = piece.units_at(t)
+        h, Z = H[0] * u, z.reshape(n, n)
+        product = Z[:, moving] @ (A[0] * u / u[moving][:, None]) - Z * piece.rate
         change: Array = h.T @ h - product - product.T
         return change.ravel()
 
     with np.errstate(over="ignore", invalid="ignore"):
         found = solve_ivp(
             right_side,
-            (start, float(instants[-1])),
-            np.zeros(n * n),
+            (piece.start, piece.stop),
+            initial.ravel(),
             method="DOP853",
             t_eval=instants,
             rtol=rtol,
@@ -91,5 +151,5 @@ def _integrate(system: NumericSystem, start: float, instants: Array, units: Arra
         )
     if not found.success:
         raise NotComputableError(f"equation (3) could not be integrated: {found.message}")
-    W: Array = found.y.T.reshape(len(instants), n, n)
-    return W
+    Z: Array = found.y.T.reshape(len(instants), n, n)
+    return Z
