@@ -4,9 +4,9 @@ On a panel [a, b] with W(a) = Rᵀ R, nodes τ_j and weights w_j:
 
     W(b) = [R Φ(a, b); √w_j H(τ_j) Φ(τ_j, b)]ᵀ [ … ],    R ← qr [ … ]
 
-Forming W would square the condition number. Rows are gathered over several panels before they are
-triangularised, because every triangularisation rounds. Its rounding error is relative to the columns, so the
-units of the states do not matter; columns that grow or fade are rescaled by powers of two, which is exact.
+Forming W would square the condition number. Rows are triangularised at the instants, and where they become
+many. The rounding error of that is relative to the columns, so the units of the states do not matter; columns
+that grow or fade are rescaled by powers of two, which is exact.
 
 The error ΔR is carried as |ΔR v|² ≲ vᵀ E v with
 
@@ -23,6 +23,7 @@ V. M. Morozov, F. Yu. Baklanov (2018), (2), (3). N. J. Higham, Accuracy and Stab
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
@@ -35,10 +36,12 @@ from obscli.numeric.settings import Effort
 from obscli.numeric.transition import Panels, edges_of, longest_step, panels
 
 
-#: Rows gathered before they are triangularised, per state.
-_GATHERED: Final = 10
+#: Rows are triangularised when they are more than so many per state.
+_GATHERED: Final = 3
 
-#: Columns are rescaled when their norm leaves [2^-k, 2^k], and given up when their units leave [2^-K, 2^K].
+#: Every so many panels (one grows by e^2 at the most) columns are looked at: they are rescaled when their
+#: norm leaves [2^-k, 2^k], and given up when their units leave [2^-K, 2^K].
+_WATCHED: Final = 8
 _RANGE: Final = 64
 _LARGEST: Final = 450
 
@@ -64,11 +67,13 @@ def square_root_gramian(
     """
     chain = _Chain(system)
     found: list[tuple[Array, Array, Array, float]] = []
-    edges = edges_of(start, instants, longest_step(rates))
+    edges = edges_of(start, instants, longest_step(rates), effort.most_steps)
     for piece in panels(system, edges, effort):
-        for k in range(len(piece.ends)):
-            chain.advance(piece, k)
-            if piece.ends[k] == instants[len(found)]:
+        fresh = _triangularised(piece.rows)
+        squares = np.einsum("kij,kij->kj", fresh, fresh)
+        for k, end in enumerate(piece.ends):
+            chain.advance(piece, k, fresh[k], squares[k])
+            if end == instants[len(found)]:
                 found.append(chain.snapshot())
     matrices, units, error, growth = (np.array(part) for part in zip(*found, strict=True))
     starts = np.full(len(instants), start)
@@ -81,60 +86,70 @@ class _Chain:
     def __init__(self, system: NumericSystem) -> None:
         n = system.n
         self._moving = system.moving
+        self._still = np.ones(n)
+        self._still[self._moving] = 0
         self._rounding = EPS**2 * max(1.0, n / _SMALL)
         self._rows = np.zeros((0, n))
+        self._squares = np.zeros(n)
         self._error = np.zeros((n, n))
         self._units = np.ones(n)
+        self._ratio = np.ones((len(self._moving), n))
         self._count = 0
         self._growth = 0.0
         self._lost = False
 
-    def advance(self, piece: Panels, k: int) -> None:
-        """Take in one panel."""
+    def advance(self, piece: Panels, k: int, fresh: Array, squares: Array) -> None:
+        """Take in one panel.
+
+        Parameters
+        ----------
+        fresh, squares : its rows, triangularised where they are many, and the squared norms of the columns
+        """
         if self._lost:
             return
-        ratio = self._units / self._units[self._moving][:, None]
-        transition = piece.transition[k] * ratio
-        fresh = piece.rows[k] * self._units
-        moved = self._rows[:, self._moving] @ transition
-        carried = self._transported(self._rows, moved)
-        before, after = np.linalg.norm(self._rows), np.linalg.norm(carried)
-        self._growth += max(float(np.log(after / before)), 0.0) if before > 0 < after else 0.0
-        self._error = self._transported(self._error, self._error[:, self._moving] @ transition).T
-        self._error = self._transported(self._error, self._error[:, self._moving] @ transition)
-        self._rows = np.concatenate([carried, fresh])
-        local = (
-            self._rounding * ((1 + (2 * self._count + 1) / 9) * _squares(carried) + _squares(fresh) / 4)
+        transition = piece.transition[k] * self._ratio
+        carried = self._transported(self._rows, transition)
+        before, moved = self._squares, np.einsum("ij,ij->j", carried, carried)
+        squares = squares * self._units**2
+        self._growth += _growth(before.sum(), moved.sum())
+        self._error = self._transported(self._transported(self._error, transition).T, transition)
+        self._rows = np.concatenate([carried, fresh * self._units])
+        self._squares = moved + squares
+        self._add(
+            self._rounding * ((1 + (2 * self._count + 1) / 9) * moved + squares / 4)
             + piece.row_error[k] * self._units**2
-            + _squares(self._rows[:, self._moving]) @ (piece.transition_error[k] * ratio**2)
+            + before[self._moving] @ (piece.transition_error[k] * self._ratio**2)
         )
-        self._error[np.diag_indices_from(self._error)] += local
         self._count += 1
-        self._keep_in_range()
+        if self._count % _WATCHED == 0:
+            self._keep_in_range()
         if len(self._rows) > _GATHERED * self._rows.shape[1]:
-            self._error[np.diag_indices_from(self._error)] += self._rounding * _squares(self._rows)
-            self._rows = np.asarray(np.linalg.qr(self._rows, mode="r"))
+            self._triangularise()
 
     def snapshot(self) -> tuple[Array, Array, Array, float]:
         """Return R (n, n), the units (n,), E (n, n) and ln of the growth as they stand."""
         n = self._rows.shape[1]
         if self._lost:
             return np.zeros((n, n)), np.ones(n), LOST * np.eye(n), self._growth
+        self._triangularise()
         factor = np.zeros((n, n))
-        triangle = np.linalg.qr(self._rows, mode="r")
-        factor[: len(triangle)] = triangle
-        error = self._error + self._rounding * np.diag(_squares(self._rows))
-        return factor, self._units.copy(), error, self._growth
+        factor[: len(self._rows)] = self._rows
+        return factor, self._units.copy(), self._error.copy(), self._growth
 
-    def _transported(self, rows: Array, moved: Array) -> Array:
-        """Return rows Φ(a, b), given their part that comes from the moving states."""
-        carried = rows.copy()
-        carried[:, self._moving] = 0
-        carried += moved
-        return carried
+    def _transported(self, rows: Array, transition: Array) -> Array:
+        """Return rows Φ(a, b), given the moving states' rows of Φ."""
+        return rows * self._still + rows[:, self._moving] @ transition
+
+    def _triangularise(self) -> None:
+        self._rows = _triangle(self._rows)
+        self._add(self._rounding * self._squares)
+
+    def _add(self, local: Array) -> None:
+        """Add to the diagonal of E."""
+        self._error.flat[:: len(local) + 1] += local
 
     def _keep_in_range(self) -> None:
-        size = np.sqrt(_squares(self._rows))
+        size = np.sqrt(self._squares)
         exponent = np.zeros(len(size))
         np.log2(size, out=exponent, where=size > 0)
         if np.abs(exponent).max(initial=0.0) > _RANGE:
@@ -142,14 +157,25 @@ class _Chain:
 
     def _rescale(self, factor: Array) -> None:
         self._rows *= factor
+        self._squares *= factor**2
         self._error *= factor * factor[:, None]
         self._units *= factor
+        self._ratio = self._units / self._units[self._moving][:, None]
         exponents = np.log2(self._units)
         if max(np.abs(exponents).max(), exponents.max() - exponents.min()) > _LARGEST:
             self._lost = True
 
 
-def _squares(rows: Array) -> Array:
-    """Return the squared norms of the columns."""
-    squares: Array = np.einsum("ij,ij->j", rows, rows)
-    return squares
+def _triangularised(rows: Array) -> Array:
+    """Return the rows of every panel, (k, r, n), in as few as will do."""
+    return _triangle(rows) if rows.shape[1] > rows.shape[2] else rows
+
+
+def _triangle(rows: Array) -> Array:
+    triangle: Array = np.linalg.qr(rows, mode="r")  # type: ignore[assignment]  # no QRResult in this mode
+    return triangle
+
+
+def _growth(before: float, after: float) -> float:
+    """Return ln of by how much the rows have grown, given the sums of their squares; 0 if they have not."""
+    return max(math.log(after / before), 0.0) / 2 if before > 0 < after else 0.0

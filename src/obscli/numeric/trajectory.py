@@ -49,7 +49,7 @@ def follow(numeric: Numeric, initial: Array, count: int) -> Trajectory:
     instants = np.linspace(horizon.start, horizon.stop, count)
     parts = np.diag(initial.astype(float))[:, initial != 0]  # one column for each initial state that is not 0
     found = [parts]
-    edges = edges_of(horizon.start, instants[1:], longest_step(numeric.rates))
+    edges = edges_of(horizon.start, instants[1:], longest_step(numeric.rates), _MOST_STEPS)
     for piece in panels(system, edges, Effort(_STEP_ERROR, _MOST_STEPS)):
         for end, rows in zip(piece.ends, piece.transition, strict=True):
             phi = np.eye(system.n)

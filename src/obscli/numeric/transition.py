@@ -25,7 +25,7 @@ import numpy as np
 from obscli.numeric.collocation import gauss_legendre
 from obscli.numeric.errors import NotComputableError, TooManyStepsError
 from obscli.numeric.numeric_system import NumericSystem
-from obscli.numeric.program import EPS, Array, Counts, Flags
+from obscli.numeric.program import EPS, ROUNDING, Array, Counts, Flags
 from obscli.numeric.rates import Rates
 from obscli.numeric.settings import Effort
 
@@ -40,10 +40,13 @@ _SWEEPS: Final = 60
 #: Where the largest entries are far from rest after so many sweeps, panels are too long.
 _ENOUGH: Final = 24
 _FAR: Final = 1e-3
+_FEW: Final = 12
 _TERMS: Final = 12
 
-#: A tail below this that halving does not lower is left at once, one above it after so many halvings; a
-#: panel shorter than this, relative to the time, cannot be halved.
+#: A tail is rounding below so many times what A X may be off by. One below this that halving does not lower
+#: is left at once, one above it after so many halvings; a panel shorter than this, relative to the time,
+#: cannot be halved.
+_NOISY: Final = 8.0
 _NOISE: Final = 1e-9
 _IN_VAIN: Final = 3
 _SHORTEST: Final = 1e-12
@@ -61,8 +64,8 @@ class Panels:
 
     ``transition``: the moving states' rows of Φ(a, b), shape (k, p, n);
     ``rows``: √(h w_j) H(τ_j) Φ(τ_j, b), shape (k, s m, n);
-    ``transition_error``: squared error of the moving rows of Φ, of step and coefficients, shape (k, p, n);
-    ``row_error``: squared norm of the columns of the rows' error from coefficients, shape (k, n).
+    ``transition_error``: squared error of the moving rows of Φ: step, sums, coefficients; shape (k, p, n);
+    ``row_error``: squared norm of the columns of the rows' error from sums and coefficients, shape (k, n).
     """
 
     ends: Array
@@ -78,12 +81,23 @@ def longest_step(rates: Rates) -> float:
     return min(turn, _MOST_PHASE / rates.coefficients if rates.coefficients else np.inf)
 
 
-def edges_of(start: float, instants: Array, longest: float) -> Array:
-    """Return the edges of panels no longer than ``longest``, one at every instant."""
+def edges_of(start: float, instants: Array, longest: float, most: int) -> Array:
+    """Return the edges of panels no longer than ``longest``, one at every instant.
+
+    Raises
+    ------
+    TooManyStepsError
+        where they would be more than ``most``, or shorter than time can be told
+    """
     edges = np.concatenate([[start], instants])
-    counts = np.maximum(np.ceil(np.diff(edges) / longest * (1 - 1e-12)), 1).astype(int)
+    with np.errstate(divide="ignore", over="ignore"):
+        counts = np.maximum(np.ceil(np.diff(edges) / longest * (1 - 1e-12)), 1)
+    finest = np.spacing(np.abs(edges).max())
+    if not (counts.sum() <= most and (np.diff(edges) > 2 * counts * finest).all()):
+        raise TooManyStepsError(_too_many(most))
     parts = [
-        np.linspace(a, b, k, endpoint=False) for a, b, k in zip(edges[:-1], edges[1:], counts, strict=True)
+        np.linspace(a, b, int(k), endpoint=False)
+        for a, b, k in zip(edges[:-1], edges[1:], counts, strict=True)
     ]
     return np.concatenate([*parts, edges[-1:]])
 
@@ -117,6 +131,10 @@ class Parents:
     in_vain: Counts
 
 
+def _too_many(most: int) -> str:
+    return f"more than {most} steps would be needed: choose a shorter interval (--from, --to)"
+
+
 class _Solver:
     """Solves panels of one system."""
 
@@ -133,11 +151,11 @@ class _Solver:
         ----------
         parents : what is known of the panels that these are halves of
         """
-        if parents is None and self._system.is_constant and len(starts) > 1:
-            return self._alike(starts, stops)
         self._solved += len(starts)
         if self._solved > self._effort.most_steps:
-            raise TooManyStepsError(self._too_many())
+            raise TooManyStepsError(_too_many(self._effort.most_steps))
+        if parents is None and self._system.is_constant and len(starts) > 1:
+            return self._alike(starts, stops)
         found, tail, largest = self._solve(starts, stops)
         if parents is not None:
             largest = np.maximum(largest, parents.largest)
@@ -188,12 +206,6 @@ class _Solver:
             "the steps: choose instants that leave it out (--from, --to)"
         )
 
-    def _too_many(self) -> str:
-        return (
-            f"more than {self._effort.most_steps} steps would be needed: "
-            "choose a shorter interval (--from, --to)"
-        )
-
     def _solve(self, starts: Array, stops: Array) -> tuple[Panels, Array, Array]:
         """Return the panels, the tail of A X (0: noise, infinite: X does not stand), and the size of A X."""
         system, rule = self._system, self._rule
@@ -202,48 +214,71 @@ class _Solver:
         c = system.coefficients((starts[:, None] + h[:, None] * rule.nodes).ravel())
         A, A_error = (one.reshape(len(h), NODES, len(moving), n) for one in (c.A, c.A_error))
         H, H_error = (one.reshape(len(h), NODES, system.m, n) for one in (c.H, c.H_error))
-        X, stands = self._iterate(A[..., moving], _without(A, moving), h)
-        derivative = _times(A, X, moving)
+        X, derivative, stands = self._iterate(A[..., moving], _without(A, moving), h)
         largest = np.where(stands[:, None, None], np.abs(derivative).max(axis=1), 0.0)
         tail = np.where(stands[:, None, None], _tail(derivative, rule.spectrum), np.inf)
-        noise = 8 * _rounding(np.abs(A).max(axis=1), (EPS * np.abs(A) + A_error).max(axis=1), moving, h)
-        step, squared = h[:, None, None], rule.weights[None] ** 2
+        size, largest_X = np.abs(A).max(axis=1), np.abs(X).max(axis=1)
+        A_error = A_error.max(axis=1)
+        noise = _rounding(size, EPS * size + A_error, moving, h)
+        step = h[:, None, None]
+        local = _times(
+            2 * ROUNDING * size + A_error, largest_X, moving
+        )  # of A X, from node to node at random
+        drift = (step * (local + step / 2 * (size[..., moving] @ local))) ** 2 / NODES
         whole = step * _summed(rule.weights[None], derivative)[:, 0]
-        drift = step**2 * _summed(squared, _times(A_error**2, X**2, moving))[:, 0]
-        shares = (h[:, None] * rule.weights)[..., None, None]
+        in_rows = _times(H_error.max(axis=1) ** 2, largest_X**2, moving)
+        in_rows += (H**2).max(axis=1)[..., moving] @ drift
+        shares = np.sqrt(h[:, None] * rule.weights)[..., None, None]
         found = Panels(
             ends=stops,
             transition=np.eye(n)[moving] - whole,
-            rows=(np.sqrt(shares) * _times(H, X, moving)).reshape(len(h), NODES * system.m, n),
+            rows=(shares * _times(H, X, moving)).reshape(len(h), NODES * system.m, n),
             transition_error=(step * tail / NODES) ** 2 + drift,
-            row_error=(shares * _times(H_error**2, X**2, moving)).sum(axis=(1, 2)),
+            row_error=h[:, None] * in_rows.sum(axis=1),
         )
-        return found, np.where(stands[:, None, None] & (tail <= noise), 0.0, tail), largest
+        return found, np.where(stands[:, None, None] & (tail <= _NOISY * noise), 0.0, tail), largest
 
-    def _iterate(self, inner: Array, outer: Array, h: Array) -> tuple[Array, Flags]:
+    def _iterate(self, inner: Array, outer: Array, h: Array) -> tuple[Array, Array, Flags]:
         """Iterate X ← I − h B (A X), all panels together.
+
+        Parameters
+        ----------
+        inner, outer : the moving columns of A (k, s, p, p); A with zeros there (k, s, p, n)
 
         Returns
         -------
         X : the moving rows at the nodes, shape (k, s, p, n)
+        derivative : A X, shape (k, s, p, n)
         stands : for which panels the iteration has come to rest, shape (k,)
         """
-        identity = np.eye(self._system.n)[self._system.moving]
-        inner_size, outer_size = np.abs(inner).max(axis=1), np.abs(outer).max(axis=1)
-        X = np.broadcast_to(identity, outer.shape)
+        step = h[:, None, None, None]
+        base = np.eye(self._system.n)[self._system.moving] - _summed(self._rule.backward, step * outer)
+        inner, X = step * inner, base
+        inner_size, outer_size = np.abs(inner).max(axis=1), h[:, None, None] * np.abs(outer).max(axis=1)
+        first = _sweeps_needed(float(inner_size.sum(axis=2).max(initial=0.0)))
         stands = np.zeros(len(h), dtype=bool)
         for sweep in range(_SWEEPS):
-            after = identity - h[:, None, None, None] * _summed(self._rule.backward, inner @ X + outer)
-            largest = np.abs(after).max(axis=1)
-            rounding = 2 * EPS * (largest + h[:, None, None] * (inner_size @ largest + outer_size))
+            before, X = X, base - _summed(self._rule.backward, inner @ X)
+            if sweep < first:
+                continue
+            largest = np.abs(X).max(axis=1)
+            rounding = 2 * EPS * (largest + inner_size @ largest + outer_size)
             if not np.isfinite(rounding).all():
                 break
-            change = np.abs(after - X).max(axis=1)
+            change = np.abs(X - before).max(axis=1)
             stands = (change <= rounding).all(axis=(1, 2))
-            X = after
             if stands.all() or (sweep == _ENOUGH and change.max() > _FAR * largest.max()):
                 break
-        return X, stands
+        return X, (inner @ X) / step + outer, stands
+
+
+def _sweeps_needed(x: float) -> int:
+    """Return after how many sweeps to look: the k-th changes X by x^k/k! at the most; few for a large x."""
+    change, k = 1.0, 0
+    while change > EPS and k < _FEW:
+        k += 1
+        change *= x / k
+    return k
 
 
 def _rounding(A: Array, error: Array, moving: Array, h: Array) -> Array:
