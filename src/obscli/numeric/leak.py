@@ -55,15 +55,16 @@ def leak_of(spaces: Subspaces, rows: Array, errors: Array) -> Leak:
         unit = rows / norms[:, :, None]
     unit[lost] = np.nan
     chi, bound = np.empty(norms.shape), np.empty(norms.shape)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        of_rows = np.linalg.norm(errors, axis=2) / norms
     for i in range(len(rows)):
         kernel = spaces.kernel(i)
         scaled_rows = unit[i] * spaces.gramian.units[i]
         chi[i] = np.abs(scaled_rows @ kernel).max(axis=1, initial=0.0)
         size = np.linalg.norm(kernel, axis=0)
         through = spaces.pull(unit[i], i)[:, None] * spaces.noise_along(kernel, i)
-        of_rows = np.linalg.norm(errors[i], axis=1) / norms[i]
         of_basis = EPS * np.linalg.norm(scaled_rows, axis=1)[:, None] * size
-        rounding = _PRODUCT * (EPS + of_rows[:, None] + of_basis)
+        rounding = _PRODUCT * (EPS + of_rows[i, :, None] + of_basis)
         bound[i] = (through + rounding).max(axis=1, initial=0.0)
     chi[lost | (chi > _IMPOSSIBLE)] = np.nan
     return Leak(chi, bound)

@@ -11,13 +11,18 @@ All in 1/(unit of time), and none depends on the units of the states:
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from obscli.model.expression import Apply, Expression, TimeDerivative, is_zero, postorder
 from obscli.model.system import System
 from obscli.numeric.numeric_system import NumericSystem
-from obscli.numeric.program import Array, Program
+from obscli.numeric.program import EPS, Array, Flags, Program
+
+
+#: In a chain of more states that feeds back on itself nobody has zero eigenvalues only.
+_HIGHEST_POWER: Final = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,12 +44,25 @@ def rates_of(system: NumericSystem, t: Array) -> Rates:
     """Return the rates seen at some instants."""
     core = system.coefficients(t).A[:, :, system.moving]  # constant states add only zero eigenvalues
     eigenvalues = np.linalg.eigvals(core)
+    eigenvalues[_nilpotent(core)] = 0
     return Rates(
         coefficients=max(_argument_rate(system, t), system.motion.rate if system.motion else 0.0),
         dynamics=float(np.abs(eigenvalues).max(initial=0.0)),
         perron=float(np.abs(np.linalg.eigvals(np.abs(core).max(axis=0))).max(initial=0.0)),
         backward=float((-eigenvalues.real).max(initial=0.0)),
     )
+
+
+def _nilpotent(core: Array) -> Flags:
+    """Return which matrices have a power that vanishes but for rounding; their eigenvalues are eps^(1/k)."""
+    power, size = core, np.abs(core)
+    found = np.zeros(len(core), dtype=bool)
+    for k in range(2, _HIGHEST_POWER + 1):
+        with np.errstate(over="ignore", invalid="ignore"):
+            power, size = power @ core, size @ np.abs(core)
+        largest = size.max(axis=(1, 2), initial=0.0)
+        found |= (np.abs(power).max(axis=(1, 2), initial=0.0) <= k * EPS * largest) & np.isfinite(largest)
+    return found
 
 
 def _argument_rate(system: NumericSystem, t: Array) -> float:

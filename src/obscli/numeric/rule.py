@@ -98,7 +98,8 @@ def _panel(
     for _ in range(_SWEEPS):
         found = program.run({**known, **dict(zip(names, at_nodes, strict=True))})
         F = np.array([np.broadcast_to(one, t.shape) for one in found])
-        after = f[:, None] + h * F @ rule.forward.T
+        with np.errstate(invalid="ignore", over="ignore"):
+            after = f[:, None] + h * F @ rule.forward.T
         if not np.isfinite(after).all():
             return None
         change = np.abs(after - at_nodes).max()

@@ -18,12 +18,15 @@ from typing import Final
 import numpy as np
 
 from obscli.numeric.gramian import Gramian
-from obscli.numeric.program import Array, Counts, Flags
+from obscli.numeric.program import EPS, Array, Counts, Flags
 
 
 #: The tolerance in units of the noise, and the factor by which a direction must exceed it.
 TOLERANCE: Final = 10.0
 CLEAR: Final = 10.0
+
+#: What the decomposition adds, relative to the largest singular value, along one direction.
+_DECOMPOSITION: Final = EPS / 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,8 +131,13 @@ class Subspaces:
 
 
 def subspaces(gramian: Gramian) -> Subspaces:
-    """Decompose the Gramian at every instant."""
+    """Decompose the Gramian at every instant; the decomposition's own rounding joins the error.
+
+    Singular values are found to some units of the largest, columns of zeros included.
+    """
     left, values, right = np.linalg.svd(gramian.matrices)
-    along = np.einsum("ikj,ijl,ikl->ik", right, gramian.error, right, optimize=True)
+    own = (_DECOMPOSITION * values[:, 0]) ** 2
+    error = gramian.error + own[:, None, None] * np.eye(gramian.n)
+    along = np.einsum("ikj,ijl,ikl->ik", right, error, right, optimize=True)
     noise = np.sqrt(np.maximum(along[:, ::-1].cumsum(axis=1)[:, ::-1], 0.0))
-    return Subspaces(gramian, values, left, right, noise)
+    return Subspaces(replace(gramian, error=error), values, left, right, noise)

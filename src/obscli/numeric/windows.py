@@ -68,7 +68,12 @@ def shortened(spaces: Subspaces, rates: Rates, at: Windowed) -> Mapping[int, Sub
     if not w:
         return {}
     found = {int(i): at(t[i], w) for i in suspects}
-    return {i: one for i, one in found.items() if _score([one]) > _score([spaces.only(i)])}
+    return {i: one for i, one in found.items() if _shows_more(one, spaces.only(i))}
+
+
+def _shows_more(part: Subspaces, whole: Subspaces) -> bool:
+    """Return whether a shorter window decides more, and loses no direction that the whole one shows dimly."""
+    return _score([part]) > _score([whole]) and bool(part.rank[0] >= whole.rank[0])
 
 
 def _score(spaces: Sequence[Subspaces]) -> tuple[int, int]:
