@@ -18,6 +18,12 @@ claims:
 """
 
 
+@pytest.fixture(autouse=True)
+def wide(monkeypatch):
+    """Lines that are not broken."""
+    monkeypatch.setenv("COLUMNS", "240")
+
+
 def told(obscli, *arguments, status=0):
     outcome = obscli(*arguments)
     assert (outcome.status, outcome.err) == (status, "")

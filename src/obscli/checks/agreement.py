@@ -91,7 +91,7 @@ def _point(witness: Witness, leak: Leak, i: int, r: int, conclusive: bool, agree
     known = np.isfinite(leak.chi[i])
     compared = q > 0 and known.any()
     k = int(np.argmax(np.where(known, leak.chi[i], -1.0))) if compared else 0
-    gap = float(spaces.gap[i])
+    gap = float(spaces.root_gap[i])
     return Point(
         t=float(spaces.instants[i]),
         r=r,

@@ -50,7 +50,7 @@ class Assertion:
     place: Place
     exact: Callable[[], Exact]
     witness: Callable[[Witness], Testimony]
-    basis: tuple[Quantity, ...] = ()
+    basis: tuple[Quantity, ...] | None = None
 
 
 def check_claims(
@@ -116,16 +116,33 @@ def _check_claim(claim: Claim, ground: Ground) -> Iterator[CheckResult]:
             else None
         )
     except (UndecidedError, UndefinedError) as error:
-        yield CheckResult(f"claim{suffix}", "undecided", str(error), claim.place)
+        parts = _parts(claim)
+        if len(parts) > 1:
+            for part in parts:  # what cannot be read leaves the rest to be checked
+                yield from _check_claim(part, ground)
+        else:
+            yield CheckResult(f"claim{suffix}", "undecided", str(error), claim.place)
         return
     reason = ground.analysis.reason if isinstance(ground.analysis, Undecided) else ""
     for one in _assertions(claim, judge, ground.special, reason):
         found = _judged(one, suffix, ground.witness)
-        if one.basis and isinstance(ground.witness, Witness):
+        if one.basis is not None and isinstance(ground.witness, Witness):
             found = replace(found, verification=_verified(one.basis, ground, found))
         yield found
     for field, (_, place) in claim.other.items():
         yield CheckResult(f"{field}{suffix}", "undecided", f"{field} is not checked yet", place)
+
+
+def _parts(claim: Claim) -> list[Claim]:
+    """Return a claim's parts as claims of their own."""
+    empty = Claim(origin=claim.origin, place=claim.place, stage=claim.stage, at=claim.at)
+    parts = [replace(empty, rank=claim.rank, rank_place=claim.rank_place)] if claim.rank is not None else []
+    parts += [replace(empty, basis=claim.basis)] if claim.basis is not None else []
+    parts += [replace(empty, observable=(q,)) for q in claim.observable]
+    parts += [replace(empty, unobservable=(q,)) for q in claim.unobservable]
+    parts += [replace(empty, directions=(q,)) for q in claim.directions]
+    parts += [replace(empty, states=claim.states)] if claim.states else []
+    return parts + ([replace(empty, other=claim.other)] if claim.other else [])
 
 
 def _assertions(

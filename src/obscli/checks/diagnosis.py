@@ -53,9 +53,10 @@ def diagnose(seen: Seen) -> str:
             f"{counted(total - seen.n, 'row')} too many or rows that are not observable.{early}"
         )
     if seen.leaking:
+        fewer = f" And r + q < n ({total} < {seen.n}): rows are missing." if total < seen.n else ""
         return (
             f"χ is above its bound at {seen.leaking} of {seen.conclusive} instants: suspect an algebra error "
-            f"in the combinations that leak.{early}"
+            f"in the combinations that leak.{fewer}{early}"
         )
     if total < seen.n:
         less = seen.n - total

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from obscli.core.check import Change, Counterexample, Verdict
+from obscli.core.number import counted
 from obscli.exact.correction import Correction, corrections
 from obscli.exact.echelon import PolyRow, polynomial_row, reduced_echelon
 from obscli.exact.equivalence import is_rearranged, transformation
@@ -107,6 +108,8 @@ class ExactClaim:
         wrong = [(q, found) for q in basis if (found := self.observable(q)).verdict == "fails"]
         if wrong:
             reasons = "; ".join(f"{text_of(q)} is {found.reason}" for q, found in wrong)
+            if len(basis) != self.analysis.rank:
+                reasons += f"; and {counted(len(basis), 'row')}, where the rank is {self.analysis.rank}"
             changes = tuple(change for _, found in wrong for change in found.corrections)
             return replace(wrong[0][1], reason=reasons, corrections=changes)
         problems = self._incomplete(basis)

@@ -91,17 +91,18 @@ class Witness:
 
     def basis(self, covectors: Sequence[Covector]) -> Testimony:
         """Say whether combinations are a complete basis: none leaks, and r + q = n."""
-        size = self.rank(len(covectors))
-        return self.observable(covectors) if size.word == "agrees" else size
+        size, rows = self.rank(len(covectors)), self.observable(covectors)
+        return rows if size.word == "agrees" or (size.word, rows.word) == ("silent", "denies") else size
 
     def unobservable(self, covector: Covector) -> Testimony:
         """Say whether a combination is not observable."""
         found = self.observable([covector])
-        turned: dict[Word, Word] = {"agrees": "silent", "denies": "agrees", "silent": "silent"}
         one = found.indicator
-        if found.word != "denies" or one is None:
-            return Testimony(turned[found.word], found.words)
-        indicator = Indicator(one.of - one.agree, one.of, one.chi, one.bound)
+        if found.word == "agrees":
+            return Testimony("silent", "the Gramian sees no leak of it into the kernel")
+        if found.word == "silent" or one is None:
+            return found
+        indicator = Indicator(one.of - one.agree, one.of)
         return Testimony("agrees", f"the Gramian agrees {at_instants(indicator)}", indicator)
 
     def direction(self, direction: Covector) -> Testimony:

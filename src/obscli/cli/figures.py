@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def draw(report: Report, directory: Path | None, progress: Progress) -> None:
-    """Draw every figure of a report as SVG and PNG; nothing where no directory is given."""
+    """Draw every figure of a report as SVG and PNG, those called alike numbered; none without a directory."""
     if directory is None:
         return
     from obscli.render.figure import save  # noqa: PLC0415 - the drawing library is heavy
@@ -22,7 +24,10 @@ def draw(report: Report, directory: Path | None, progress: Progress) -> None:
     progress("figures")
     try:
         directory.mkdir(parents=True, exist_ok=True)
+        drawn: Counter[str] = Counter()
         for figure in report.figures():
-            save(figure, directory)
+            drawn[figure.name] += 1
+            number = f"-{drawn[figure.name]}" if drawn[figure.name] > 1 else ""
+            save(replace(figure, name=figure.name + number), directory)
     except OSError as error:
         raise CommandError(f"--plot {directory}: cannot be written: {error.strerror}") from error

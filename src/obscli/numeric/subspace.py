@@ -80,6 +80,11 @@ class Subspaces:
             gap: Array = last / np.maximum(first, self.tolerance / TOLERANCE)
         return gap
 
+    @property
+    def root_gap(self) -> Array:
+        """The gap on the scale of a square root of W, by whatever method, shape (N,)."""
+        return self.gap if self.gramian.is_root else np.sqrt(self.gap)
+
     @cached_property
     def decided(self) -> Flags:
         """Whether no singular value lies in the grey zone, shape (N,)."""

@@ -19,12 +19,16 @@ from obscli.numeric.transition import edges_of, longest_step, panels
 _STEP_ERROR: Final = 1e-12
 _MOST_STEPS: Final = 20_000
 
+#: Outputs this small, relative to what states as large could cause, may be rounding.
+_ROUNDING: Final = 1e-12
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
     """States (k, n) at instants (k,).
 
-    ``output``: the largest output, relative to the sum of those that each initial state alone would cause.
+    ``output``: the largest output, relative to the sum of those that each initial state alone would cause; to
+    what states as large could cause at all where these are all rounding.
     """
 
     instants: Array
@@ -57,6 +61,9 @@ def follow(numeric: Numeric, initial: Array, count: int) -> Trajectory:
             parts = np.linalg.solve(phi, parts)
             if end == instants[len(found)]:
                 found.append(parts)
-    outputs = system.coefficients(instants).H @ np.array(found)
+    H, states = system.coefficients(instants).H, np.array(found)
+    outputs = H @ states
     whole, alone = np.abs(outputs.sum(axis=2)).max(initial=0.0), np.abs(outputs).sum(axis=2).max(initial=0.0)
-    return Trajectory(instants, np.array(found).sum(axis=2), float(whole / alone) if alone else 0.0)
+    possible = np.abs(H).max(initial=0.0) * np.abs(states).max(initial=0.0)
+    of = alone if alone > _ROUNDING * possible else possible
+    return Trajectory(instants, states.sum(axis=2), float(whole / of) if of else 0.0)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from obscli.model import reader
-from obscli.model.system import Model, System
+from obscli.model.system import Claim, Model, System
 from obscli.pipelines.request import Changes, RequestError
 
 
@@ -24,8 +24,13 @@ def load(path: str | Path, changes: Changes = Changes()) -> Model:  # noqa: B008
 def with_claims(model: Model, path: str | Path) -> Model:
     """Return the model with the claims of a file in place of its own."""
     found = dict(reader.load_claims(model, path))
-    systems = tuple(replace(one, claims=found.pop(one.stage, ())) for one in model.systems)
-    return replace(model, systems=systems, claims=tuple(claim for rest in found.values() for claim in rest))
+    later = tuple(claim for claims in found.values() for claim in claims if claim.experiment is not None)
+
+    def own(system: System) -> tuple[Claim, ...]:
+        return tuple(claim for claim in found.get(system.stage, ()) if claim.experiment is None)
+
+    systems = tuple(replace(one, claims=own(one)) for one in model.systems)
+    return replace(model, systems=systems, claims=later)
 
 
 def chosen_systems(model: Model, stages: tuple[str, ...]) -> tuple[System, ...]:

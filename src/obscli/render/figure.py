@@ -44,7 +44,8 @@ def save(figure: Figure, directory: Path) -> tuple[Path, ...]:
     OSError
         where a file cannot be written
     """
-    from matplotlib.figure import Figure as Canvas  # noqa: PLC0415 - a second to import, for figures only
+    from matplotlib import rc_context  # noqa: PLC0415 - a second to import, for figures only
+    from matplotlib.figure import Figure as Canvas  # noqa: PLC0415
 
     count = len(figure.panels)
     height = 1.6 * HEIGHT if count == 1 else HEIGHT * count
@@ -55,9 +56,9 @@ def save(figure: Figure, directory: Path) -> tuple[Path, ...]:
     axes[-1].set_xlabel(_text(figure.x_label))
     canvas.suptitle(_text(figure.title), fontsize="medium")
     files = tuple(directory / f"{file_name(figure.name)}.{form}" for form in FORMATS)
-    for file in files:
-        # a date in the file would make every drawing another one
-        canvas.savefig(file, dpi=150, metadata={"Date": None} if file.suffix == ".svg" else None)
+    with rc_context({"svg.hashsalt": figure.name}):  # a date or random names would make every drawing another
+        for file in files:
+            canvas.savefig(file, dpi=150, metadata={"Date": None} if file.suffix == ".svg" else None)
     return files
 
 

@@ -1,0 +1,242 @@
+"""Exact algebra and Gramian put together: who decides, who refutes, and when the Gramian is no witness."""
+
+from dataclasses import replace
+
+import pytest
+
+from obscli.checks.claims import check_claims
+from obscli.exact.analysis import Options, analyze
+from obscli.exact.finding import Undecided
+from obscli.model.covector import parse_covector
+from obscli.model.reader import read_text
+from obscli.numeric.analysis import analyze as look
+
+
+FAST = Options(critical=False, certificate=False)
+TIMES = ("1", "2", "3")
+#: the root of t^2 has no sign, so algebra decides nothing; the Gramian sees v and g*tilt + b
+OPAQUE = """\
+parameters: {g: 10}
+states: [v, tilt, b]
+dynamics: {v: sqrt(t^2)*(g*tilt + b)}
+measurements: {y: v}
+claims:
+  - """
+#: at w = 0 nothing shows d
+CRITICAL = """\
+parameters: {g: 10, w: 0}
+states: [v, tilt, b, d]
+dynamics: {v: g*tilt + b + w*t*d}
+measurements: {y: v}
+claims:
+  - """
+UNKNOWN_SIGN = "the sign of t is not known, so its root is not determined"
+AGREES = "the Gramian agrees at 3 of 3 instants"
+NO_WITNESS = "the Gramian is no witness: at the file's values the rank is 2"
+
+
+@pytest.mark.parametrize(
+    ("claim", "words"),
+    [
+        ("rank: 1", "the Gramian shows 2 directions far above its tolerance"),
+        ("rank: 0", "the Gramian shows 2 directions far above its tolerance"),
+        ("basis: [v]", "the Gramian shows 2 directions far above its tolerance"),
+        ("basis: [v, g*tilt - b]", "the Gramian denies it: χ = "),
+        ("observable: [tilt]", "the Gramian denies it: χ = "),
+        ("observable: [v + b]", "the Gramian denies it: χ = "),
+        ("directions: [{v: 1}]", "the Gramian shows this direction "),
+        ("directions: [{tilt: 1, b: g}]", "the Gramian shows this direction "),
+    ],
+)
+def test_the_gramian_alone_refutes(checked, claim, words):
+    [result] = checked(OPAQUE + claim + "\n", *TIMES)
+
+    assert result.verdict == "fails"
+    assert result.reason.startswith("undecided exactly (test.yaml:3:15: A[v, tilt]: " + UNKNOWN_SIGN)
+    assert f"); {words}" in result.reason
+    assert (result.corrections, result.counterexample, result.transformation) == ((), None, ())
+
+
+@pytest.mark.parametrize(
+    "claim",
+    [
+        "rank: 2",
+        "basis: [v, g*tilt + b]",
+        "observable: [v - 3*t*(tilt + b/g)]",
+        "unobservable: [tilt]",
+        "directions: [{tilt: 1, b: -g}]",
+        "states: {v: observable}",
+        "states: {b: coupled}",
+    ],
+)
+def test_the_gramian_alone_confirms_but_does_not_prove(checked, claim):
+    [result] = checked(OPAQUE + claim + "\n", *TIMES)
+
+    assert result.verdict == "undecided"
+    assert UNKNOWN_SIGN in result.reason
+    assert f"; {AGREES}" in result.reason
+    assert (result.gramian.agree, result.gramian.of) == (3, 3)
+
+
+@pytest.mark.parametrize(
+    ("claim", "words"),
+    [
+        ("rank: 3", "the Gramian shows only 2 directions above its tolerance"),
+        ("states: {b: unobservable}", "the Gramian shows b as coupled"),
+        ("unobservable: [v]", ""),
+    ],
+)
+def test_what_a_longer_window_might_change_stays_open(checked, claim, words):
+    [result] = checked(OPAQUE + claim + "\n", *TIMES)
+
+    assert result.verdict == "undecided"
+    assert words in result.reason
+
+
+@pytest.mark.parametrize("claim", ["rank: 1", "observable: [tilt]", "basis: [v]", "directions: [{v: 1}]"])
+def test_without_a_gramian_nothing_is_refuted(checked, claim):
+    [result] = checked(OPAQUE + claim + "\n", gramian=False)
+
+    assert result.verdict == "undecided"
+    assert result.gramian is None
+
+
+@pytest.mark.parametrize("claim", ["unobservable: [v]", "unobservable: [g*tilt + b]"])
+def test_the_gramian_agrees_only_with_what_is_claimed(checked, claim):
+    [result] = checked(OPAQUE + claim + "\n", *TIMES)
+
+    assert "the Gramian agrees" not in result.reason
+
+
+def test_a_basis_with_rows_that_leak_is_refuted_also_where_it_is_too_long(checked):
+    [result] = checked(OPAQUE + "basis: [v, tilt, b]\n", *TIMES)
+
+    assert result.verification.verdict == "contradicted"
+    assert result.verdict == "fails"
+
+
+def test_one_combination_that_cannot_be_read_leaves_the_rest_of_its_claim_to_be_checked(checked):
+    text = OPAQUE.replace("sqrt(t^2)*", "") + "{rank: 3, observable: [sqrt(t^2)*v]}\n"
+
+    assert "fails" in {result.verdict for result in checked(text, *TIMES)}
+
+
+def _wrong_analysis(text, row):
+    """Return a system, its analysis with one combination replaced, and its Gramian."""
+    system = read_text(text, "test.yaml").systems[0]
+    analysis = analyze(system, FAST)
+    other = replace(analysis.combinations[0], coefficients=parse_covector(system, row, "row").coefficients)
+    return system, replace(analysis, combinations=(other, *analysis.combinations[1:]), unobservable=())
+
+
+def test_the_gramian_contradicts_a_wrong_proof(instants):
+    """An analysis that takes tilt for observable proves the claim; the Gramian denies it, and that counts."""
+    text = OPAQUE.replace("sqrt(t^2)*", "") + "observable: [tilt]\n"
+    system, wrong = _wrong_analysis(text, "tilt")
+    settings = instants(system, *TIMES)
+    [alone] = check_claims(system, wrong)
+    [both] = check_claims(system, wrong, lambda one: look(one, settings))
+
+    assert (alone.verdict, alone.reason) == ("holds", "proved exactly")
+    assert both.verdict == "fails"
+    assert both.reason.startswith("proved exactly, but the Gramian denies it: χ = ")
+
+
+@pytest.mark.parametrize("claim", ["rank: 3", "observable: [d, v]", "basis: [v, g*tilt + b, d]"])
+def test_nominal_values_below_the_generic_rank_are_explained_not_called_a_contradiction(checked, claim):
+    for result in checked(CRITICAL + claim + "\n", *TIMES):
+        assert (result.verdict, result.reason) == ("holds", f"proved exactly; {NO_WITNESS}")
+        assert (result.gramian, result.verification) == (None, None)
+
+
+def test_a_false_claim_there_has_a_counterexample_in_symbols_only(checked):
+    [result] = checked(CRITICAL + "observable: [tilt]\n", *TIMES)
+
+    assert result.verdict == "fails"
+    assert result.reason.endswith(NO_WITNESS)
+    assert result.counterexample.direction == {"tilt": "1", "b": "-g"}
+    assert result.counterexample.trajectories is None
+    assert [one.corrected for one in result.corrections] == ["tilt + 1/g*b"]
+
+
+@pytest.mark.parametrize(
+    ("claim", "verdicts"),
+    [
+        ("{at: nominal, rank: 2, basis: [v, 10*tilt + b]}", ["holds", "holds"]),
+        ("{at: nominal, states: {d: unobservable, b: coupled}}", ["holds", "holds"]),
+        ("{at: nominal, rank: 3}", ["fails"]),
+        ("{at: nominal, observable: [d]}", ["fails"]),
+        ("{at: {w: 0}, rank: 2, unobservable: [d]}", ["holds", "holds"]),
+        ("{at: {w: 1}, rank: 3, observable: [d]}", ["holds", "holds"]),
+        ("{at: {w: 1}, rank: 2, states: {d: unobservable}}", ["fails", "fails"]),
+    ],
+)
+def test_at_values_the_gramian_is_that_of_these_values(checked, claim, verdicts):
+    results = checked(CRITICAL + claim + "\n", *TIMES)
+
+    assert [result.verdict for result in results] == verdicts
+    for result in results:
+        assert "no witness" not in result.reason
+        assert (AGREES in result.reason) == (result.verdict == "holds")
+
+
+def test_the_reason_for_the_lower_rank_is_the_value():
+    system = read_text(CRITICAL + "rank: 3\n", "test.yaml").systems[0]
+    at = analyze(system, FAST).at_values
+
+    assert (at.rank, at.because) == (2, ("w = 0",))
+
+
+def test_a_parameter_without_value_has_no_gramian_but_a_proof(checked):
+    [result] = checked(CRITICAL.replace("w: 0", "w: null") + "rank: 3\n", *TIMES)
+
+    assert result.verdict == "holds"
+    assert result.reason.startswith("proved exactly; no Gramian: parameter without a value: w")
+
+
+EXPECTED = """\
+states: [x, v]
+A: [[0, 1], [0, 0]]
+H: [[1, 0]]
+expect:
+  - rank: 2
+    observable: [v]
+  - rank: 1
+    unobservable: [v]
+  - {measures: {cond: 1e3}, require: {v: 1}}
+"""
+
+
+def test_what_is_expected_holds_or_fails_as_claims_do_each_at_its_place(checked):
+    results = checked(EXPECTED, *TIMES)
+
+    assert [(one.claim, one.verdict, str(one.place)) for one in results] == [
+        ("rank 2", "holds", "test.yaml:5:11"),
+        ("v is observable", "holds", "test.yaml:6:18"),
+        ("rank 1", "fails", "test.yaml:7:11"),
+        ("v is not observable", "fails", "test.yaml:8:20"),
+        ("measures", "undecided", "test.yaml:9:16"),
+        ("require", "undecided", "test.yaml:9:38"),
+    ]
+    assert results[2].reason == "the rank is 2; the Gramian shows 2 directions far above its tolerance"
+    assert results[3].reason.startswith("it is an observable combination")
+    assert [one.reason for one in results[4:]] == [
+        "measures is not checked yet",
+        "require is not checked yet",
+    ]
+
+
+def test_expected_or_claimed_is_the_same_to_both_sides(checked):
+    as_claims = EXPECTED.replace("expect:", "claims:").replace("measures: {cond: 1e3}, require", "detectable")
+    pairs = zip(checked(EXPECTED, *TIMES)[:4], checked(as_claims, *TIMES)[:4], strict=True)
+    for expected, claimed in pairs:
+        assert (expected.claim, expected.verdict, expected.reason) == (
+            claimed.claim,
+            claimed.verdict,
+            claimed.reason,
+        )
+
+
+def test_an_undecided_analysis_is_what_these_tests_rest_on():
+    system = read_text(OPAQUE + "rank: 2\n", "test.yaml").systems[0]
+    assert isinstance(analyze(system, FAST), Undecided)
