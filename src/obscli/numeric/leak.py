@@ -57,14 +57,15 @@ def leak_of(spaces: Subspaces, rows: Array, errors: Array) -> Leak:
     chi, bound = np.empty(norms.shape), np.empty(norms.shape)
     with np.errstate(invalid="ignore", divide="ignore"):
         of_rows = np.linalg.norm(errors, axis=2) / norms
-    for i in range(len(rows)):
+    for rank in np.unique(spaces.rank):
+        i = np.flatnonzero(spaces.rank == rank)
         kernel = spaces.kernel(i)
-        scaled_rows = unit[i] * spaces.gramian.units[i]
-        chi[i] = np.abs(scaled_rows @ kernel).max(axis=1, initial=0.0)
-        size = np.linalg.norm(kernel, axis=0)
-        through = spaces.pull(unit[i], i)[:, None] * spaces.noise_along(kernel, i)
-        of_basis = EPS * np.linalg.norm(scaled_rows, axis=1)[:, None] * size
-        rounding = _PRODUCT * (EPS + of_rows[i, :, None] + of_basis)
-        bound[i] = (through + rounding).max(axis=1, initial=0.0)
+        scaled_rows = unit[i] * spaces.gramian.units[i][:, None, :]
+        chi[i] = np.abs(scaled_rows @ kernel).max(axis=2, initial=0.0)
+        through = spaces.pull(unit[i], i)[:, :, None] * spaces.noise_along(kernel, i)[:, None, :]
+        size = np.linalg.norm(kernel, axis=1)[:, None, :]
+        of_basis = EPS * np.linalg.norm(scaled_rows, axis=2)[:, :, None] * size
+        rounding = _PRODUCT * (EPS + of_rows[i][:, :, None] + of_basis)
+        bound[i] = (through + rounding).max(axis=2, initial=0.0)
     chi[lost | (chi > _IMPOSSIBLE)] = np.nan
     return Leak(chi, bound)

@@ -45,6 +45,9 @@ _WATCHED: Final = 8
 _RANGE: Final = 64
 _LARGEST: Final = 450
 
+#: Up to so many states whole products are faster than those of the moving rows alone.
+_DENSE: Final = 50
+
 #: Up to so many states a factorisation is wrong by one unit of rounding, a column.
 _SMALL: Final = 24
 
@@ -88,6 +91,7 @@ class _Chain:
         self._moving = system.moving
         self._still = np.ones(n)
         self._still[self._moving] = 0
+        self._frozen = np.diag(self._still)
         self._rounding = EPS**2 * max(1.0, n / _SMALL)
         self._rows = np.zeros((0, n))
         self._squares = np.zeros(n)
@@ -108,11 +112,11 @@ class _Chain:
         if self._lost:
             return
         transition = piece.transition[k] * self._ratio
-        carried = self._transported(self._rows, transition)
+        carried, error = self._transported(self._rows, self._error, transition)
         before, moved = self._squares, np.einsum("ij,ij->j", carried, carried)
         squares = squares * self._units**2
         self._growth += _growth(before.sum(), moved.sum())
-        self._error = self._transported(self._transported(self._error, transition).T, transition)
+        self._error = error
         self._rows = np.concatenate([carried, fresh * self._units])
         self._squares = moved + squares
         self._add(
@@ -136,9 +140,17 @@ class _Chain:
         factor[: len(self._rows)] = self._rows
         return factor, self._units.copy(), self._error.copy(), self._growth
 
-    def _transported(self, rows: Array, transition: Array) -> Array:
-        """Return rows Φ(a, b), given the moving states' rows of Φ."""
-        return rows * self._still + rows[:, self._moving] @ transition
+    def _transported(self, rows: Array, error: Array, transition: Array) -> tuple[Array, Array]:
+        """Return rows Φ(a, b) and Φᵀ E Φ, given the moving states' rows of Φ."""
+        if len(self._still) <= _DENSE:
+            whole = self._frozen.copy()
+            whole[self._moving] = transition
+            return rows @ whole, whole.T @ error @ whole
+
+        def times(matrix: Array) -> Array:
+            return matrix * self._still + matrix[:, self._moving] @ transition
+
+        return times(rows), times(times(error).T)
 
     def _triangularise(self) -> None:
         self._rows = _triangle(self._rows)

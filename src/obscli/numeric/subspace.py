@@ -107,32 +107,40 @@ class Subspaces:
         )
         return Subspaces(gramian, self.values[part], self.left[part], self.right[part], self.noise[part])
 
-    def kernel(self, i: int) -> Array:
-        """Return a basis of the kernel at instant i in scaled units, orthonormal in the file's, (n, q).
+    def kernel(self, i: int | Counts) -> Array:
+        """Return a basis of the kernel in scaled units, orthonormal in the file's, shape (…, n, q).
 
         In the file's units the basis is D times this one. It is orthonormalised by a factor on the right,
         so that small components keep their relative accuracy.
+
+        Parameters
+        ----------
+        i : an instant, or some of the same rank
         """
-        basis = self.right[i, self.rank[i] :].T
-        units = self.gramian.units[i]
-        if not basis.shape[1]:
+        basis = np.swapaxes(self.right[i, self._rank(i) :], -1, -2)
+        if not basis.shape[-1]:
             return basis
-        triangle = np.linalg.qr(units[:, None] * basis, mode="r")
+        triangle = np.linalg.qr(self.gramian.units[i][..., None] * basis, mode="r")
         orthonormal: Array = basis @ np.linalg.inv(triangle)
         return orthonormal
 
-    def pull(self, covectors: Array, i: int) -> Array:
-        """Return |s D M_r⁺| for covectors (…, n) in the file's units: how weakly M determines each."""
-        r = self.rank[i]
-        inside = (covectors * self.gramian.units[i]) @ self.right[i, :r].T
-        weight: Array = np.linalg.norm(inside / self.values[i, :r], axis=-1)
+    def pull(self, covectors: Array, i: int | Counts) -> Array:
+        """Return |s D M_r⁺| of covectors (…, k, n) in the file's units: how weakly M determines each."""
+        r = self._rank(i)
+        observable = np.swapaxes(self.right[i, :r], -1, -2)
+        inside = (covectors * self.gramian.units[i][..., None, :]) @ observable
+        weight: Array = np.linalg.norm(inside / self.values[i, :r][..., None, :], axis=-1)
         return weight
 
-    def noise_along(self, directions: Array, i: int) -> Array:
-        """Return √(vᵀ E v) for the columns of directions (n, q) in scaled units."""
-        squared = np.einsum("jq,jk,kq->q", directions, self.gramian.error[i], directions)
+    def noise_along(self, directions: Array, i: int | Counts) -> Array:
+        """Return √(vᵀ E v) for the columns of directions (…, n, q) in scaled units, shape (…, q)."""
+        squared = (directions * (self.gramian.error[i] @ directions)).sum(axis=-2)
         noise: Array = np.sqrt(np.maximum(squared, 0.0))
         return noise
+
+    def _rank(self, i: int | Counts) -> int:
+        """The rank at an instant, or at some of the same rank."""
+        return int(np.max(self.rank[i]))
 
 
 def subspaces(gramian: Gramian) -> Subspaces:

@@ -32,6 +32,9 @@ from obscli.numeric.settings import Effort
 
 NODES: Final = 16
 
+#: The nodes at which rounding errors of the coefficients are looked at: the largest counts for the panel.
+_PROBED: Final = [0, NODES // 3, 2 * NODES // 3, NODES - 1]
+
 #: A panel starts at most so long in units of 1/λ (the iteration converges like (hλ)^k/k!) and of 1/ν.
 _MOST_TURN: Final = 2.0
 _MOST_PHASE: Final = 1.5
@@ -95,11 +98,9 @@ def edges_of(start: float, instants: Array, longest: float, most: int) -> Array:
     finest = np.spacing(np.abs(edges).max())
     if not (counts.sum() <= most and (np.diff(edges) > 2 * counts * finest).all()):
         raise TooManyStepsError(_too_many(most))
-    parts = [
-        np.linspace(a, b, int(k), endpoint=False)
-        for a, b, k in zip(edges[:-1], edges[1:], counts, strict=True)
-    ]
-    return np.concatenate([*parts, edges[-1:]])
+    each = counts.astype(int)
+    within = np.arange(each.sum()) - np.repeat(each.cumsum() - each, each)
+    return np.append(np.repeat(edges[:-1], each) + within * np.repeat(np.diff(edges) / each, each), edges[-1])
 
 
 def panels(system: NumericSystem, edges: Array, effort: Effort) -> Iterator[Panels]:
@@ -211,22 +212,21 @@ class _Solver:
         system, rule = self._system, self._rule
         moving, n = system.moving, system.n
         h = stops - starts
-        c = system.coefficients((starts[:, None] + h[:, None] * rule.nodes).ravel())
-        A, A_error = (one.reshape(len(h), NODES, len(moving), n) for one in (c.A, c.A_error))
-        H, H_error = (one.reshape(len(h), NODES, system.m, n) for one in (c.H, c.H_error))
+        t = starts[:, None] + h[:, None] * rule.nodes
+        A, H = (one.reshape(len(h), NODES, -1, n) for one in system.matrices(t.ravel()))
+        errors = system.coefficients(t[:, _PROBED].ravel())
+        A_error = errors.A_error.reshape(len(h), len(_PROBED), -1, n).max(axis=1)
+        H_error = errors.H_error.reshape(len(h), len(_PROBED), -1, n).max(axis=1)
         X, derivative, stands = self._iterate(A[..., moving], _without(A, moving), h)
         largest = np.where(stands[:, None, None], np.abs(derivative).max(axis=1), 0.0)
         tail = np.where(stands[:, None, None], _tail(derivative, rule.spectrum), np.inf)
         size, largest_X = np.abs(A).max(axis=1), np.abs(X).max(axis=1)
-        A_error = A_error.max(axis=1)
         noise = _rounding(size, EPS * size + A_error, moving, h)
         step = h[:, None, None]
-        local = _times(
-            2 * ROUNDING * size + A_error, largest_X, moving
-        )  # of A X, from node to node at random
+        local = _times(2 * ROUNDING * size + A_error, largest_X, moving)  # from node to node at random
         drift = (step * (local + step / 2 * (size[..., moving] @ local))) ** 2 / NODES
         whole = step * _summed(rule.weights[None], derivative)[:, 0]
-        in_rows = _times(H_error.max(axis=1) ** 2, largest_X**2, moving)
+        in_rows = _times(H_error**2, largest_X**2, moving)
         in_rows += (H**2).max(axis=1)[..., moving] @ drift
         shares = np.sqrt(h[:, None] * rule.weights)[..., None, None]
         found = Panels(
