@@ -14,15 +14,17 @@ from importlib.metadata import version
 from pathlib import Path
 
 
-PACKAGES = ("obscli", "python-flint", "sympy", "symident", "numpy", "typer")
+PACKAGES = ("obscli", "python-flint", "sympy", "symident", "numpy", "scipy", "typer")
 QUICK = {
     "speed.py": ["--runs", "3"],
     "growth.py": ["--runs", "1"],
+    "gramian.py": ["--runs", "3"],
     "peers.py": ["--runs", "1", "--reduce-limit", "0"],
 }
 TITLES = {
     "speed.py": "Speed: INS calibration stage 1",
     "growth.py": "Growth",
+    "gramian.py": "The Gramian: INS calibration stage 2",
     "peers.py": "Side by side: INS calibration stage 1",
     "witness.py": "The generators, checked by modular power series",
 }

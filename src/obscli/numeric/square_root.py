@@ -72,10 +72,9 @@ def square_root_gramian(
     found: list[tuple[Array, Array, Array, float]] = []
     edges = edges_of(start, instants, longest_step(rates), effort.most_steps)
     for piece in panels(system, edges, effort):
-        fresh = _triangularised(piece.rows)
-        squares = np.einsum("kij,kij->kj", fresh, fresh)
+        squares = np.einsum("kij,kij->kj", piece.rows, piece.rows)
         for k, end in enumerate(piece.ends):
-            chain.advance(piece, k, fresh[k], squares[k])
+            chain.advance(piece, k, squares[k])
             if end == instants[len(found)]:
                 found.append(chain.snapshot())
     matrices, units, error, growth = (np.array(part) for part in zip(*found, strict=True))
@@ -102,13 +101,8 @@ class _Chain:
         self._growth = 0.0
         self._lost = False
 
-    def advance(self, piece: Panels, k: int, fresh: Array, squares: Array) -> None:
-        """Take in one panel.
-
-        Parameters
-        ----------
-        fresh, squares : its rows, triangularised where they are many, and the squared norms of the columns
-        """
+    def advance(self, piece: Panels, k: int, squares: Array) -> None:
+        """Take in one panel, given the squared norms of the columns of its rows."""
         if self._lost:
             return
         transition = piece.transition[k] * self._ratio
@@ -117,7 +111,7 @@ class _Chain:
         squares = squares * self._units**2
         self._growth += _growth(before.sum(), moved.sum())
         self._error = error
-        self._rows = np.concatenate([carried, fresh * self._units])
+        self._rows = np.concatenate([carried, piece.rows[k] * self._units])
         self._squares = moved + squares
         self._add(
             self._rounding * ((1 + (2 * self._count + 1) / 9) * moved + squares / 4)
@@ -176,11 +170,6 @@ class _Chain:
         exponents = np.log2(self._units)
         if max(np.abs(exponents).max(), exponents.max() - exponents.min()) > _LARGEST:
             self._lost = True
-
-
-def _triangularised(rows: Array) -> Array:
-    """Return the rows of every panel, (k, r, n), in as few as will do."""
-    return _triangle(rows) if rows.shape[1] > rows.shape[2] else rows
 
 
 def _triangle(rows: Array) -> Array:
