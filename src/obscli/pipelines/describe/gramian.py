@@ -79,7 +79,8 @@ def gramian_blocks(result: StageResult) -> Iterator[Block]:
 
 def _facts(found: NumericFinding) -> Iterator[tuple[Cell, ...]]:
     count = len(found.points)
-    ends = f"{number(found.points[0].t)} to {number(found.points[-1].t)}, from t0 = {number(found.start)}"
+    first, last = number(found.points[0].t), number(found.points[-1].t)
+    ends = f"{first if first == last else f'{first} to {last}'}, from t0 = {number(found.start)}"
     default = " (default interval: 20 over the fastest rate)" if found.default else ""
     yield line(Text("method")), line(Text(f"{METHODS[found.method]}; step error {short(found.rtol)}"))
     yield line(Text("instants")), line(Text(f"{count}: {ends}{default}"))
