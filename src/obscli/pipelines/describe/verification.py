@@ -74,9 +74,8 @@ def comparison_blocks(found: Verification) -> Iterator[Block]:
     if leaking:
         yield Table(COMBINATION_COLUMNS, leaking)
     others = tuple(_combination(one) for one in found.combinations if one.holds is not False)
-    yield Details(
-        (Paragraph(plain("Every other combination, at its worst:")), Table(COMBINATION_COLUMNS, others))
-    )
+    every_one = "Every other combination" if leaking else "Every combination"
+    yield Details((Paragraph(plain(f"{every_one}, at its worst:")), Table(COMBINATION_COLUMNS, others)))
 
 
 def _row(found: Verification, run: tuple[Point, ...]) -> tuple[Cell, ...]:
