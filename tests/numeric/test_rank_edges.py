@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from obscli.numeric.echelon import echelon_curves
+from obscli.numeric.errors import NotComputableError
 from obscli.numeric.summary import finding_of
 
 
@@ -130,3 +131,26 @@ def test_partial_sums_that_cancel_are_no_information(numeric, exact, system):
     )
     assert exact(model).at_values.rank == 1
     assert numeric(model).rank == 1
+
+
+@pytest.mark.parametrize(
+    ("A", "H"),
+    [
+        ("[[0, 1, 0], [0, 0, 0], [0, 0, 0]]", "[[1, 0, 1e155]]"),
+        ("[[0, 1, 0], [0, 0, 0], [0, 0, 0]]", "[[1, 0, 1e170]]"),
+        ("[[1e200, 1, 0], [0, 0, 0], [0, 0, 0]]", "[[1, 0, 1e300]]"),
+    ],
+)
+def test_entries_whose_squares_are_too_large_decide_nothing_wrong(numeric, A, H):
+    """x1 and x2 with x3: rank 2 or undecided, and no warning."""
+    found = numeric(f"states: [x1, x2, x3]\nA: {A}\nH: {H}\n")
+    assert (found.spaces.rank[found.spaces.decided] <= 2).all()
+    for i in (0, -1):
+        assert found.spaces.kernel(i).shape == (3, 3 - found.spaces.rank[i])
+
+
+@pytest.mark.parametrize("entry", ["1/(t - 3.3)", "1/(t - 3.3)^2"])
+def test_a_pole_inside_the_interval_is_no_information_lost_in_silence(numeric, entry):
+    text = f"states: [x1, x2]\nA: [[0, '{entry}'], [0, 0]]\nH: [[1, 0]]\ninterval: {{stop: 10, samples: 7}}\n"
+    with pytest.raises(NotComputableError, match=r"near t = 3\.3|more than 20000 steps"):
+        numeric(text)

@@ -21,7 +21,7 @@ from typing import Final
 
 import numpy as np
 
-from obscli.numeric.program import EPS, Array
+from obscli.numeric.program import EPS, Array, Flags
 from obscli.numeric.subspace import Subspaces
 
 
@@ -31,6 +31,7 @@ _PRODUCT: Final = 32.0
 
 #: χ is at most 1; above this the kernel's units are too far apart to be orthonormalised in those of the file.
 _IMPOSSIBLE: Final = 1.01
+_VACUOUS: Final = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,6 +40,16 @@ class Leak:
 
     chi: Array
     bound: Array
+
+    @property
+    def judged(self) -> Flags:
+        """Where χ tells anything: it is at most 1, so a bound near that does not, shape (N, r)."""
+        return np.isfinite(self.chi) & (self.bound <= _VACUOUS)
+
+    @property
+    def ratio(self) -> Array:
+        """χ over its bound, 0 where it tells nothing, shape (N, r)."""
+        return np.where(self.judged, self.chi / np.maximum(self.bound, 1e-300), 0.0)
 
 
 def leak_of(spaces: Subspaces, rows: Array, errors: Array) -> Leak:
@@ -49,8 +60,8 @@ def leak_of(spaces: Subspaces, rows: Array, errors: Array) -> Leak:
     rows : the covectors at every instant in the file's units, shape (N, r, n)
     errors : the rounding errors of their entries
     """
-    norms = np.linalg.norm(rows, axis=2)
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        norms = np.linalg.norm(rows, axis=2)
         lost = ~(norms > _DEGENERATE * np.nanmax(norms, axis=0, initial=0.0))
         unit = rows / norms[:, :, None]
     unit[lost] = np.nan

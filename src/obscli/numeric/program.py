@@ -180,16 +180,16 @@ def _squared_error(
 ) -> Value:
     exact = _exact(node)
     if exact is not None:
-        return 0.0 if value == exact else (ROUNDING * value) ** 2
+        return 0.0 if value == exact else _square(ROUNDING * value)
     match node:
         case Symbol(name):
-            return errors.get(name, 0.0) ** 2
+            return _square(errors.get(name, 0.0))
         case Derivative(name, order):
-            return errors.get(jet(name, order), 0.0) ** 2
+            return _square(errors.get(jet(name, order), 0.0))
         case Sum():
             partial = accumulate(part.value for part in parts)
             next(partial)
-            return sum(((ROUNDING * one) ** 2 for one in partial), sum(part.error**2 for part in parts))
+            return sum((_square(ROUNDING * one) for one in partial), sum(_square(p.error) for p in parts))
         case Product():
             passed = [
                 reduce(operator.mul, [other.value for other in (*parts[:k], *parts[k + 1 :])], part.error)
@@ -203,7 +203,12 @@ def _squared_error(
             passed = [_passed_on(SLOPES[function](u.value, value), u.error)]
         case _:  # pi
             passed = []
-    return sum((one * one for one in passed), (ROUNDING * value) ** 2)
+    return sum(map(_square, passed), _square(ROUNDING * value))
+
+
+def _square(x: Value) -> Value:
+    """Return x², infinite where it is too large: ``x ** 2`` raises for a float."""
+    return x * x
 
 
 def _passed_on(slope: Value, error: Value) -> Value:

@@ -12,8 +12,8 @@ The error ΔR is carried as |ΔR v|² ≲ vᵀ E v with
 
     E(b) = Φᵀ E(a) Φ + diag(ε² |column|²),    ε from rounding, from the step and from the coefficients.
 
-Roundings of one factorisation are taken as random, ε = √(n/24) units beyond 24 states; those of the transport
-from panel to panel, which repeats itself, as partly alike: after k panels they are √(k + k²/9) units.
+Roundings of one factorisation are taken as random, ε = √(n/24) units beyond 24 states; the errors of the
+transport from panel to panel, which repeats itself, as partly alike, √(k + k²/9) units after k panels.
 
 References
 ----------
@@ -72,12 +72,15 @@ def square_root_gramian(
     found: list[tuple[Array, Array, Array, float]] = []
     edges = edges_of(start, instants, longest_step(rates), effort.most_steps)
     for piece in panels(system, edges, effort):
-        squares = np.einsum("kij,kij->kj", piece.rows, piece.rows)
-        for k, end in enumerate(piece.ends):
-            chain.advance(piece, k, squares[k])
-            if end == instants[len(found)]:
-                found.append(chain.snapshot())
+        with np.errstate(all="ignore"):  # where squares are too large all is lost
+            squares = np.einsum("kij,kij->kj", piece.rows, piece.rows)
+            for k, end in enumerate(piece.ends):
+                chain.advance(piece, k, squares[k])
+                if end == instants[len(found)]:
+                    found.append(chain.snapshot())
     matrices, units, error, growth = (np.array(part) for part in zip(*found, strict=True))
+    lost = ~np.isfinite(error).all(axis=(1, 2))
+    matrices[lost], units[lost], error[lost] = 0.0, 1.0, LOST * np.eye(system.n)
     starts = np.full(len(instants), start)
     return Gramian("square-root", instants, starts, matrices, units, error, growth)
 
@@ -95,8 +98,8 @@ class _Chain:
         self._rows = np.zeros((0, n))
         self._squares = np.zeros(n)
         self._error = np.zeros((n, n))
-        self._units = np.ones(n)
-        self._ratio = np.ones((len(self._moving), n))
+        self._units = self._squared_units = np.ones(n)
+        self._ratio = self._squared_ratio = np.ones((len(self._moving), n))
         self._count = 0
         self._growth = 0.0
         self._lost = False
@@ -108,16 +111,18 @@ class _Chain:
         transition = piece.transition[k] * self._ratio
         carried, error = self._transported(self._rows, self._error, transition)
         before, moved = self._squares, np.einsum("ij,ij->j", carried, carried)
-        squares = squares * self._units**2
-        self._growth += _growth(before.sum(), moved.sum())
+        squares = squares * self._squared_units
         self._error = error
         self._rows = np.concatenate([carried, piece.rows[k] * self._units])
         self._squares = moved + squares
         self._add(
-            self._rounding * ((1 + (2 * self._count + 1) / 9) * moved + squares / 4)
-            + piece.row_error[k] * self._units**2
-            + before[self._moving] @ (piece.transition_error[k] * self._ratio**2)
+            (self._rounding * (1 + (2 * self._count + 1) / 9)) * moved
+            + (self._rounding / 4) * squares
+            + piece.row_error[k] * self._squared_units
+            + (1 + 2 * self._count / 9)
+            * (before[self._moving] @ (piece.transition_error[k] * self._squared_ratio))
         )
+        self._growth += _growth(before.sum(), moved.sum())
         self._count += 1
         if self._count % _WATCHED == 0:
             self._keep_in_range()
@@ -128,7 +133,7 @@ class _Chain:
         """Return R (n, n), the units (n,), E (n, n) and ln of the growth as they stand."""
         n = self._rows.shape[1]
         if self._lost:
-            return np.zeros((n, n)), np.ones(n), LOST * np.eye(n), self._growth
+            return np.zeros((n, n)), np.ones(n), np.full((n, n), np.inf), self._growth
         self._triangularise()
         factor = np.zeros((n, n))
         factor[: len(self._rows)] = self._rows
@@ -165,8 +170,9 @@ class _Chain:
         self._rows *= factor
         self._squares *= factor**2
         self._error *= factor * factor[:, None]
-        self._units *= factor
+        self._units = self._units * factor
         self._ratio = self._units / self._units[self._moving][:, None]
+        self._squared_units, self._squared_ratio = self._units**2, self._ratio**2
         exponents = np.log2(self._units)
         if max(np.abs(exponents).max(), exponents.max() - exponents.min()) > _LARGEST:
             self._lost = True

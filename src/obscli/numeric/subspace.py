@@ -111,7 +111,7 @@ class Subspaces:
         """Return a basis of the kernel in scaled units, orthonormal in the file's, shape (…, n, q).
 
         In the file's units the basis is D times this one. It is orthonormalised by a factor on the right,
-        so that small components keep their relative accuracy.
+        so that small components keep their relative accuracy; not a number where units are too far apart.
 
         Parameters
         ----------
@@ -120,8 +120,10 @@ class Subspaces:
         basis = np.swapaxes(self.right[i, self._rank(i) :], -1, -2)
         if not basis.shape[-1]:
             return basis
-        triangle = np.linalg.qr(self.gramian.units[i][..., None] * basis, mode="r")
-        orthonormal: Array = basis @ np.linalg.inv(triangle)
+        triangle: Array = np.linalg.qr(self.gramian.units[i][..., None] * basis, mode="r")  # type: ignore[assignment]
+        flat = (np.einsum("...jj->...j", triangle) == 0).any(axis=-1)[..., None, None]
+        inverse = np.linalg.inv(np.where(flat, np.eye(triangle.shape[-1]), triangle))
+        orthonormal: Array = np.where(flat, np.nan, basis @ inverse)
         return orthonormal
 
     def pull(self, covectors: Array, i: int | Counts) -> Array:

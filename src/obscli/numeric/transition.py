@@ -52,6 +52,9 @@ _TERMS: Final = 12
 _NOISY: Final = 8.0
 _NOISE: Final = 1e-9
 _IN_VAIN: Final = 3
+
+#: A tail above this that halving does not lower is a pole.
+_POLE: Final = 1e-2
 _SHORTEST: Final = 1e-12
 
 #: Panels of a time-invariant system are alike if their lengths agree to so many digits.
@@ -157,7 +160,8 @@ class _Solver:
             raise TooManyStepsError(_too_many(self._effort.most_steps))
         if parents is None and self._system.is_constant and len(starts) > 1:
             return self._alike(starts, stops)
-        found, tail, largest = self._solve(starts, stops)
+        with np.errstate(over="ignore", invalid="ignore"):  # not finite: does not stand
+            found, tail, largest = self._solve(starts, stops)
         if parents is not None:
             largest = np.maximum(largest, parents.largest)
         unresolved = (tail / np.maximum(largest, 1e-300)).max(axis=(1, 2), initial=0.0)
@@ -167,7 +171,8 @@ class _Solver:
             # what halving does not improve is rounding of the coefficients, or an entry too small to matter
             # (h^k/k! far down a chain of integrators): it is left, and stays in the step error
             in_vain = np.where(unresolved > parents.unresolved / 4, parents.in_vain + 1, 0)
-            bad &= np.isinf(unresolved) | (in_vain < np.where(unresolved < _NOISE, 1, _IN_VAIN))
+            left = np.where(unresolved < _NOISE, 1, np.where(unresolved < _POLE, _IN_VAIN, np.inf))
+            bad &= np.isinf(unresolved) | (in_vain < left)
         if not bad.any():
             return found
         if (stops - starts)[bad].min() < _SHORTEST * np.abs(stops).max():
@@ -223,8 +228,15 @@ class _Solver:
         size, largest_X = np.abs(A).max(axis=1), np.abs(X).max(axis=1)
         noise = _rounding(size, EPS * size + A_error, moving, h)
         step = h[:, None, None]
-        local = _times(2 * ROUNDING * size + A_error, largest_X, moving)  # from node to node at random
-        drift = (step * (local + step / 2 * (size[..., moving] @ local))) ** 2 / NODES
+
+        def over_panel(error: Array) -> Array:
+            local = _times(error, largest_X, moving)
+            squared: Array = (step * (local + step / 2 * (size[..., moving] @ local))) ** 2
+            return squared
+
+        # sums round at random from node to node; so do coefficients where they vary
+        drift = over_panel(2 * ROUNDING * size) / NODES
+        drift += over_panel(A_error) / (1 if system.is_constant else NODES)
         whole = step * _summed(rule.weights[None], derivative)[:, 0]
         in_rows = _times(H_error**2, largest_X**2, moving)
         in_rows += (H**2).max(axis=1)[..., moving] @ drift
