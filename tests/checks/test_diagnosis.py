@@ -99,14 +99,14 @@ TABLE = {
     "too faint": (
         FAINT + "[a, b]",
         TIMES,
-        "At no instant does the Gramian show the whole rank: nothing can be said.",
+        "At no instant is the Gramian clear enough: nothing can be said.",
     ),
     "too early at first": (
         LATE + "[a, b]",
         ("1e-15", "1", "2"),
         (
             "q = 0: the Gramian has no kernel, every combination is observable. "
-            "(1 of 3 instants do not show the whole rank clearly and are left out.)"
+            "(1 of 3 instants are not clear enough and are left out.)"
         ),
     ),
     "too early at first, one forgotten": (
@@ -114,7 +114,7 @@ TABLE = {
         ("1e-15", "2e-15", "1", "2"),
         (
             "All χ are small, r + q < n (1 < 2) at all times: a combination was forgotten. "
-            "(2 of 4 instants do not show the whole rank clearly and are left out.)"
+            "(2 of 4 instants are not clear enough and are left out.)"
         ),
     ),
 }

@@ -240,3 +240,33 @@ def test_expected_or_claimed_is_the_same_to_both_sides(checked):
 def test_an_undecided_analysis_is_what_these_tests_rest_on():
     system = read_text(OPAQUE + "rank: 2\n", "test.yaml").systems[0]
     assert isinstance(analyze(system, FAST), Undecided)
+
+
+GROWING = """parameters: {alpha: 0.04, k: 2}
+states: [x1, x2, x3, x4]
+A: [[alpha, 1, 0, 0], [0, -alpha, 1, 0], [0, 0, 0, 0], [0, 0, 0, 0]]
+H: [[1, 0, 0, k]]
+claims:
+  - """
+
+
+def test_a_bound_near_one_lets_nothing_agree(checked):
+    """χ is at most 1: over 2000 s x2 grows backwards by e^80, and anything may leak."""
+    [wrong] = checked(GROWING + "observable: [x1 + 3*x4]\n", "2000")
+    assert wrong.verdict == "fails"
+    assert "the Gramian tells at no instant: its error hides what may leak" in wrong.reason
+    [basis] = checked(GROWING + "{at: nominal, basis: [x1 + 3*x4, alpha*x1 + x2, alpha^2*x1 + x3]}\n", "2000")
+    assert basis.verification.verdict == "undecided"
+    assert basis.verification.reason == (
+        "the error of the Gramian hides what may leak at every instant; others may tell"
+    )
+    assert not any(point.conclusive or point.agrees for point in basis.verification.points)
+
+
+def test_true_at_the_files_values_only_is_explained(checked):
+    """k is 2 in the file: x1 + 2 x4 is observable there, and nowhere else."""
+    [result] = checked(GROWING + "observable: [x1 + 2*x4]\n", "20", "40")
+    assert result.verdict == "fails"
+    assert "; at the file's values, the Gramian agrees at 2 of 2 instants" in result.reason
+    [there] = checked(GROWING + "{at: nominal, observable: [x1 + 2*x4]}\n", "20", "40")
+    assert there.verdict == "holds"

@@ -178,7 +178,7 @@ def make_verification(*, wrong=False):
     """Three instants; where wrong, the second combination leaks."""
     points = tuple(
         Point(t=10.0 * k, r=3, q=4 - (k > 1), chi=0.094 if wrong else 10.0**-k, bound=2.0 * 10.0**-k,
-              gap=None if k == 1 else 2.5e9, conclusive=k > 1, agrees=k > 1 and not wrong)
+              gap=None if k == 1 else 2.5e9, conclusive=k > 1, agrees=k > 1 and not wrong, refutes=k > 1 and wrong)
         for k in (1, 2, 3)
     )  # fmt: skip
     combinations = (

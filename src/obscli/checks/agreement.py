@@ -20,7 +20,7 @@ from obscli.core.verification import Agreement, CombinationCheck, Point, Verific
 from obscli.model.notation import covector_text
 from obscli.model.system import Covector
 from obscli.numeric.leak import Leak
-from obscli.numeric.program import Array, Flags
+from obscli.numeric.program import Flags
 
 
 def verify_basis(witness: Witness, basis: Sequence[Covector], texts: Sequence[str] = ()) -> Verification:
@@ -33,12 +33,17 @@ def verify_basis(witness: Witness, basis: Sequence[Covector], texts: Sequence[st
     texts : how the rows are written; none: as obscli writes them
     """
     spaces = witness.numeric.spaces
-    leak, conclusive = witness.leak(basis), witness.conclusive
-    ratio = _ratio(leak)
-    worst = ratio.max(axis=1, initial=0.0)
+    leak = witness.leak(basis)
+    shown = witness.conclusive
+    conclusive = shown & leak.judged.all(axis=1)
+    worst = leak.ratio.max(axis=1, initial=0.0)
     fits = len(basis) == spaces.rank
     agrees = conclusive & fits & (worst <= 1)
-    points = tuple(_point(witness, leak, i, len(basis), conclusive[i], agrees[i]) for i in range(len(worst)))
+    refutes = conclusive & (~fits | (worst > CERTAIN))
+    points = tuple(
+        _point(witness, leak, i, conclusive=conclusive[i], agrees=agrees[i], refutes=refutes[i])
+        for i in range(len(worst))
+    )
     seen = Seen(
         count=len(points),
         conclusive=int(conclusive.sum()),
@@ -50,17 +55,11 @@ def verify_basis(witness: Witness, basis: Sequence[Covector], texts: Sequence[st
         above=_above(witness),
         expected=witness.expected,
     )
-    verdict, reason = _verdict(seen, int(agrees.sum()))
+    verdict, reason = _verdict(seen, int(agrees.sum()), shown=bool(shown.any()))
     names = witness.numeric.system.system.state_names
     texts = texts or [covector_text(one, names) for one in basis]
-    combinations = _combinations(texts, leak, ratio, conclusive)
+    combinations = _combinations(texts, leak, shown)
     return Verification(verdict, reason, diagnose(seen), spaces.n, points, combinations)
-
-
-def _ratio(leak: Leak) -> Array:
-    """Return χ over its bound, 0 where a row has no direction."""
-    with np.errstate(invalid="ignore"):
-        return np.where(np.isfinite(leak.chi), leak.chi / np.maximum(leak.bound, 1e-300), 0.0)
 
 
 def _above(witness: Witness) -> int | None:
@@ -72,12 +71,14 @@ def _above(witness: Witness) -> int | None:
     return int(ranks.max())
 
 
-def _verdict(seen: Seen, agree: int) -> tuple[Agreement, str]:
+def _verdict(seen: Seen, agree: int, *, shown: bool) -> tuple[Agreement, str]:
     if seen.above is not None:
         return "contradicted", f"the Gramian shows rank {seen.above}, above the exact rank {seen.expected}"
+    if not seen.conclusive and shown:
+        return "undecided", "the error of the Gramian hides what may leak at every instant; others may tell"
     if not seen.conclusive:
         shows = "does not show the whole rank" if seen.expected is not None else "decides no rank"
-        return "undecided", f"the Gramian {shows} at any instant; a longer interval may"
+        return "undecided", f"the Gramian {shows} at any instant; others may tell"
     if seen.surely or seen.kernel is None or seen.rows + seen.kernel != seen.n:
         return "contradicted", "χ or the rank check speaks against it"
     if seen.leaking:
@@ -85,7 +86,7 @@ def _verdict(seen: Seen, agree: int) -> tuple[Agreement, str]:
     return "verified", f"the Gramian agrees at {agree} of {seen.count} instants"
 
 
-def _point(witness: Witness, leak: Leak, i: int, r: int, conclusive: bool, agrees: bool) -> Point:  # noqa: FBT001
+def _point(witness: Witness, leak: Leak, i: int, *, conclusive: bool, agrees: bool, refutes: bool) -> Point:
     spaces = witness.numeric.spaces
     q = spaces.n - int(spaces.rank[i])
     known = np.isfinite(leak.chi[i])
@@ -94,27 +95,28 @@ def _point(witness: Witness, leak: Leak, i: int, r: int, conclusive: bool, agree
     gap = float(spaces.root_gap[i])
     return Point(
         t=float(spaces.instants[i]),
-        r=r,
+        r=leak.chi.shape[1],
         q=q,
         chi=float(leak.chi[i, k]) if compared else None,
         bound=float(leak.bound[i, k]) if compared else None,
         gap=None if np.isnan(gap) else gap,
         conclusive=bool(conclusive),
         agrees=bool(agrees),
+        refutes=bool(refutes),
     )
 
 
-def _combinations(
-    texts: Sequence[str], leak: Leak, ratio: Array, conclusive: Flags
-) -> tuple[CombinationCheck, ...]:
-    found = []
+def _combinations(texts: Sequence[str], leak: Leak, shown: Flags) -> tuple[CombinationCheck, ...]:
+    found, ratio, judged = [], leak.ratio, leak.judged
     for k, text in enumerate(texts):
-        where = np.flatnonzero(conclusive & np.isfinite(leak.chi[:, k]))
+        where = np.flatnonzero(shown & judged[:, k])
         if not where.size:
             found.append(CombinationCheck(text, None, None, None))
             continue
         over = ratio[where, k]
-        i = where[over.argmax()] if over.max() > 1 else where[leak.chi[where, k].argmax()]
-        holds = True if over.max() <= 1 else False if over.max() > CERTAIN else None
+        worst = over.max()
+        shows = over > (CERTAIN if worst > CERTAIN else 1.0 if worst > 1 else -1.0)
+        i = where[np.where(shows, leak.chi[where, k], -1.0).argmax()]
+        holds = True if worst <= 1 else False if worst > CERTAIN else None
         found.append(CombinationCheck(text, float(leak.chi[i, k]), float(leak.bound[i, k]), holds))
     return tuple(found)

@@ -217,6 +217,8 @@ def _judged(one: Assertion, suffix: str, witness: Witness | str) -> CheckResult:
     if testimony.word == "denies" and verdict != "fails":
         start = f"undecided exactly ({reason}); " if verdict == "undecided" else f"{reason}, but "
         verdict, reason = "fails", start + testimony.words
+    elif verdict == "fails" and testimony.word == "agrees":
+        reason += f"; at the file's values, {testimony.words}" if not suffix else ""
     elif testimony.words:
         reason = "; ".join(part for part in (reason, testimony.words) if part)
     return CheckResult(

@@ -44,7 +44,7 @@ def diagnose(seen: Seen) -> str:
             "one of the two sides is wrong. Please report it."
         )
     if seen.kernel is None:
-        return "At no instant does the Gramian show the whole rank: nothing can be said."
+        return "At no instant is the Gramian clear enough: nothing can be said."
     total = seen.rows + seen.kernel
     early = _early(seen)
     if total > seen.n:
@@ -71,4 +71,4 @@ def _early(seen: Seen) -> str:
     rest = seen.count - seen.conclusive
     if not rest:
         return ""
-    return f" ({rest} of {seen.count} instants do not show the whole rank clearly and are left out.)"
+    return f" ({rest} of {seen.count} instants are not clear enough and are left out.)"

@@ -19,7 +19,7 @@ from obscli.model.system import Covector
 from obscli.numeric.analysis import Numeric
 from obscli.numeric.echelon import echelon_curves
 from obscli.numeric.leak import Leak, leak_of
-from obscli.numeric.program import Array, Flags
+from obscli.numeric.program import Flags
 
 
 Word: TypeAlias = Literal["agrees", "denies", "silent"]
@@ -152,20 +152,18 @@ class Witness:
 
 def testimony_of(leak: Leak, where: Flags) -> Testimony:
     """Return what leaks say at the instants given."""
-    chi, bound = leak.chi[where], leak.bound[where]
-    known = np.isfinite(chi)
-    ratio = np.where(known, chi / np.maximum(bound, 1e-300), 0.0)
+    chi, bound, ratio = (one[where] for one in (leak.chi, leak.bound, leak.ratio))
+    known = leak.judged[where]
     judged = known.any(axis=1)
     if not judged.any():
-        return Testimony("silent", "the combination does not exist at any of the instants")
+        hidden = np.isfinite(chi).any()
+        words = "its error hides what may leak" if hidden else "the combination does not exist there"
+        return Testimony("silent", f"the Gramian tells at no instant: {words}")
     fine = (ratio <= 1).all(axis=1) & judged
-    i, j = np.unravel_index(int(ratio.argmax()), ratio.shape)
-    worst = ratio[i, j]
-    if worst > 1:
-        indicator = Indicator(int(fine.sum()), int(judged.sum()), float(chi[i, j]), float(bound[i, j]))
-    else:
-        largest = _largest(np.where(known, chi, -1.0))
-        indicator = Indicator(int(fine.sum()), int(judged.sum()), float(chi[largest]), float(bound[largest]))
+    worst = float(ratio.max())
+    shows = known & (ratio > (CERTAIN if worst > CERTAIN else 1.0 if worst > 1 else -1.0))
+    i, j = np.unravel_index(int(np.where(shows, chi, -1.0).argmax()), chi.shape)
+    indicator = Indicator(int(fine.sum()), int(judged.sum()), float(chi[i, j]), float(bound[i, j]))
     if worst > CERTAIN:
         words = (
             f"χ = {short(indicator.chi or 0.0)}, where rounding accounts for {short(indicator.bound or 0.0)}"
@@ -183,8 +181,3 @@ def testimony_of(leak: Leak, where: Flags) -> Testimony:
 def at_instants(indicator: Indicator) -> str:
     """Return ``at 150 of 150 instants``."""
     return f"at {indicator.agree} of {indicator.of} instants"
-
-
-def _largest(values: Array) -> tuple[int, int]:
-    i, j = np.unravel_index(int(values.argmax()), values.shape)
-    return int(i), int(j)

@@ -20,7 +20,8 @@ class NotVerified:
 class Point:
     """One instant: r rows, kernel of dimension q, χ and its bound (None: nothing to compare), the gap of q.
 
-    ``conclusive``: the rank is decided and is the whole rank; ``agrees``: χ is below its bound and r + q = n.
+    ``conclusive``: the rank is decided and is the whole rank, and the bound of every row tells something;
+    ``agrees``: χ is below its bound and r + q = n; ``refutes``: χ is far above it, or r + q is not n.
     """
 
     t: float
@@ -31,6 +32,7 @@ class Point:
     gap: float | None
     conclusive: bool
     agrees: bool
+    refutes: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)

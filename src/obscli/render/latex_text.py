@@ -42,6 +42,8 @@ SIGNS: Final = {
     "≠": r"$\neq$",
     "–": "--",
     "′": r"$'$",
+    "✓": r"$\checkmark$",
+    "✗": r"$\times$",
 }
 GREEK: Final = {
     "α": "alpha", "β": "beta", "γ": "gamma", "δ": "delta", "ε": "varepsilon", "ζ": "zeta", "η": "eta",

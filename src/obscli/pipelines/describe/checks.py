@@ -79,7 +79,7 @@ def _what_is_wrong(check: CheckResult) -> Iterator[Block]:
     if one is None:
         return
     if not check.corrections:
-        yield Note("note", plain("no change of up to three coefficients is determined by the others"))
+        yield Note("note", plain("no correction of at most three coefficients was found"))
     yield Note("note", plain(_told_apart(one)))
 
 

@@ -68,7 +68,7 @@ def gramian_blocks(result: StageResult) -> Iterator[Block]:
     if found.window is not None:
         text = (
             f"windows shortened, down to the last {short(found.window)} before an instant: over the whole "
-            "interval fast decay (or the number of steps) drowns the rest; the row space is the same"
+            "interval fast decay drowns the rest, or takes too many steps; the row space is the same"
         )
         yield Note("note", plain(text))
     table = Table(POINT_COLUMNS, tuple(_rows(found)), (Text(LEGEND, "faint"),))

@@ -65,7 +65,9 @@ def verification_blocks(result: StageResult) -> Iterator[Block]:
 
 def comparison_blocks(found: Verification) -> Iterator[Block]:
     """Yield one comparison: instants put together, the diagnosis, the combinations that leak."""
-    rows = tuple(_row(found, run) for run in runs(found.points, lambda p: (p.q, p.conclusive, p.agrees)))
+    rows = tuple(
+        _row(found, run) for run in runs(found.points, lambda p: (p.q, p.conclusive, p.agrees, p.refutes))
+    )
     yield Table(POINT_COLUMNS, rows, (Text(LEGEND, "faint"),))
     every = Table(POINT_COLUMNS, tuple(_row(found, (point,)) for point in found.points))
     yield Details((Paragraph(plain("At every instant:")), every))
@@ -99,8 +101,10 @@ def _row(found: Verification, run: tuple[Point, ...]) -> tuple[Cell, ...]:
 
 def _sign(point: Point) -> Text:
     if not point.conclusive:
-        return Text("? rank not clear", "open")
-    return Text("✓", "good") if point.agrees else Text("✗", "bad")
+        return Text("? not clear", "open")
+    if point.agrees:
+        return Text("✓", "good")
+    return Text("✗", "bad") if point.refutes else Text("? χ above its bound", "open")
 
 
 def _combination(one: CombinationCheck) -> tuple[Cell, ...]:
