@@ -35,11 +35,11 @@ def verify_basis(witness: Witness, basis: Sequence[Covector], texts: Sequence[st
     spaces = witness.numeric.spaces
     leak = witness.leak(basis)
     shown = witness.conclusive
-    conclusive = shown & leak.judged.all(axis=1)
     worst = leak.ratio.max(axis=1, initial=0.0)
     fits = len(basis) == spaces.rank
+    refutes = shown & (~fits | (worst > CERTAIN))
+    conclusive = refutes | (shown & leak.judged.all(axis=1))
     agrees = conclusive & fits & (worst <= 1)
-    refutes = conclusive & (~fits | (worst > CERTAIN))
     points = tuple(
         _point(witness, leak, i, conclusive=conclusive[i], agrees=agrees[i], refutes=refutes[i])
         for i in range(len(worst))

@@ -20,7 +20,7 @@ class NotVerified:
 class Point:
     """One instant: r rows, kernel of dimension q, χ and its bound (None: nothing to compare), the gap of q.
 
-    ``conclusive``: the rank is decided and is the whole rank, and the bound of every row tells something;
+    ``conclusive``: the rank is decided and is the whole rank, and every row can be judged, or one leaks;
     ``agrees``: χ is below its bound and r + q = n; ``refutes``: χ is far above it, or r + q is not n.
     """
 
