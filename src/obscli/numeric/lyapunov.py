@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import count
 from typing import Final
 
 import numpy as np
@@ -40,6 +41,12 @@ _COARSER: Final = 10.0
 
 #: Entries are held to rtol down to this fraction of their size in units of the states.
 _FLOOR: Final = 1e-3
+
+#: The integrator is stopped after so many evaluations on a piece.
+_MOST_CALLS: Final = 200_000
+_GIVEN_UP: Final = (
+    "equation (3) could not be integrated: {}; --gramian square-root takes fast and stiff systems"
+)
 
 #: A piece reaches back as long as no root of W's diagonal falls below this share of its size at the end.
 _SHARE: Final = 0.1
@@ -129,9 +136,11 @@ def _integrate_piece(
     """Return Z at instants of a piece, shape (N, n, n), given Z at its start."""
     from scipy.integrate import solve_ivp  # noqa: PLC0415 - half a second to import, for this method only
 
-    n, moving = system.n, system.moving
+    n, moving, calls = system.n, system.moving, count()
 
     def right_side(t: float, z: Array) -> Array:
+        if next(calls) > _MOST_CALLS:
+            raise NotComputableError(_GIVEN_UP.format(f"more than {_MOST_CALLS} evaluations"))
         A, H = system.matrices(np.array([t]))
         u = piece.units_at(t)
         h, Z = H[0] * u, z.reshape(n, n)
@@ -150,6 +159,6 @@ def _integrate_piece(
             atol=_FLOOR * rtol,
         )
     if not found.success:
-        raise NotComputableError(f"equation (3) could not be integrated: {found.message}")
+        raise NotComputableError(_GIVEN_UP.format(found.message.rstrip(".").lower()))
     Z: Array = found.y.T.reshape(len(instants), n, n)
     return Z
