@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from obscli.checks.diagnosis import Seen, diagnose
-from obscli.checks.witness import CERTAIN, Witness
+from obscli.checks.witness import CERTAIN, Witness, counting_from
 from obscli.core.verification import Agreement, CombinationCheck, Point, Verification
 from obscli.model.notation import covector_text
 from obscli.model.system import Covector
@@ -115,8 +115,7 @@ def _combinations(texts: Sequence[str], leak: Leak, shown: Flags) -> tuple[Combi
             continue
         over = ratio[where, k]
         worst = over.max()
-        shows = over > (CERTAIN if worst > CERTAIN else 1.0 if worst > 1 else -1.0)
-        i = where[np.where(shows, leak.chi[where, k], -1.0).argmax()]
+        i = where[np.where(over > counting_from(worst), leak.chi[where, k], -1.0).argmax()]
         holds = True if worst <= 1 else False if worst > CERTAIN else None
         found.append(CombinationCheck(text, float(leak.chi[i, k]), float(leak.bound[i, k]), holds))
     return tuple(found)

@@ -161,7 +161,7 @@ def testimony_of(leak: Leak, where: Flags) -> Testimony:
         return Testimony("silent", f"the Gramian tells at no instant: {words}")
     fine = (ratio <= 1).all(axis=1) & judged
     worst = float(ratio.max())
-    shows = known & (ratio > (CERTAIN if worst > CERTAIN else 1.0 if worst > 1 else -1.0))
+    shows = known & (ratio > counting_from(worst))
     i, j = np.unravel_index(int(np.where(shows, chi, -1.0).argmax()), chi.shape)
     indicator = Indicator(int(fine.sum()), int(judged.sum()), float(chi[i, j]), float(bound[i, j]))
     if worst > CERTAIN:
@@ -176,6 +176,11 @@ def testimony_of(leak: Leak, where: Flags) -> Testimony:
         return Testimony("silent", f"the Gramian does not tell: {words}", indicator)
     leaking = f", worst leak {short(indicator.chi or 0.0)}" if indicator.chi else ""
     return Testimony("agrees", f"the Gramian agrees {at_instants(indicator)}{leaking}", indicator)
+
+
+def counting_from(worst: float) -> float:
+    """Return the χ over its bound above which a leak says what the worst one says."""
+    return CERTAIN if worst > CERTAIN else 1.0 if worst > 1 else -1.0
 
 
 def at_instants(indicator: Indicator) -> str:

@@ -13,11 +13,14 @@ from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
-from obscli.numeric.program import Array, Flags
+from obscli.numeric.program import EPS, Array, Flags
 
 
 #: The squared error where nothing is known of the Gramian.
 LOST: Final = 1e300
+
+#: Up to so many states a factorisation or a product is wrong by one unit of rounding.
+_SMALL: Final = 24
 
 #: How the Gramian is found: as a square root, by its differential equation, by its definition.
 Method: TypeAlias = Literal["square-root", "lyapunov", "quadrature"]
@@ -80,6 +83,11 @@ def unit_diagonal(method: Method, instants: Array, start: float, W: Array, error
     error = np.where(lost[:, None, None], LOST * np.eye(W.shape[-1]), error)
     starts, growth = np.full(len(instants), start), np.zeros(len(instants))
     return Gramian(method, instants, starts, matrices, 1 / size, error, growth)
+
+
+def squared_rounding(n: int) -> float:
+    """Return ε², relative to the columns, of a factorisation or a product over n states."""
+    return EPS**2 * max(1.0, n / _SMALL)
 
 
 def diagonal_root(W: Array) -> Array:

@@ -15,20 +15,14 @@ V. M. Morozov, F. Yu. Baklanov (2018), (2).
 
 from __future__ import annotations
 
-from typing import Final
-
 import numpy as np
 
-from obscli.numeric.gramian import Gramian, diagonal_root, unit_diagonal
+from obscli.numeric.gramian import Gramian, diagonal_root, squared_rounding, unit_diagonal
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import EPS, Array
 from obscli.numeric.rates import Rates
 from obscli.numeric.settings import Effort
-from obscli.numeric.transition import edges_of, longest_step, panels
-
-
-#: Up to so many states a sum of products is wrong by one unit of rounding.
-_SMALL: Final = 24
+from obscli.numeric.transition import edges_of, longest_step, panels, times
 
 
 def quadrature_gramian(
@@ -43,7 +37,7 @@ def quadrature_gramian(
         for piece in panels(system, edges, effort):
             for k, (end, phi) in enumerate(zip(piece.ends, piece.transition, strict=True)):
                 before = W.diagonal()
-                summed = _carried(np.sqrt(np.maximum(before, 0.0))[None], moving, np.abs(phi))[0] ** 2
+                summed = times(np.sqrt(np.maximum(before, 0.0))[None], np.abs(phi), moving)[0] ** 2
                 step = before[moving] @ piece.transition_error[k] + piece.row_error[k]
                 fresh = piece.rows[k].T @ piece.rows[k]
                 P = _congruent(P, moving, phi) + np.diag(summed + fresh.diagonal() + step / EPS**2)
@@ -54,18 +48,10 @@ def quadrature_gramian(
         size = diagonal_root(whole)
         spread = spread / size[:, :, None] / size[:, None, :]
         trace = np.einsum("ijj->i", spread)
-        error = EPS**2 * max(1.0, n / _SMALL) * trace[:, None, None] * spread
+        error = squared_rounding(n) * trace[:, None, None] * spread
         return unit_diagonal("quadrature", instants, start, whole, error)
 
 
 def _congruent(W: Array, moving: Array, transition: Array) -> Array:
     """Return Φᵀ W Φ for a symmetric W."""
-    return _carried(_carried(W, moving, transition).T, moving, transition)
-
-
-def _carried(rows: Array, moving: Array, transition: Array) -> Array:
-    """Return rows Φ(a, b); only the moving states' rows of Φ differ from those of I."""
-    result = rows.copy()
-    result[:, moving] = 0
-    result += rows[:, moving] @ transition
-    return result
+    return times(times(W, transition, moving).T, transition, moving)

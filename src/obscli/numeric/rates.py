@@ -42,7 +42,7 @@ class Rates:
 
 def rates_of(system: NumericSystem, t: Array) -> Rates:
     """Return the rates seen at some instants."""
-    core = system.coefficients(t).A[:, :, system.moving]  # constant states add only zero eigenvalues
+    core = system.matrices(t)[0][:, :, system.moving]  # constant states add only zero eigenvalues
     eigenvalues = np.linalg.eigvals(core)
     eigenvalues[_nilpotent(core)] = 0
     return Rates(

@@ -28,12 +28,12 @@ from typing import Final
 
 import numpy as np
 
-from obscli.numeric.gramian import LOST, Gramian
+from obscli.numeric.gramian import LOST, Gramian, squared_rounding
 from obscli.numeric.numeric_system import NumericSystem
-from obscli.numeric.program import EPS, Array
+from obscli.numeric.program import Array
 from obscli.numeric.rates import Rates
 from obscli.numeric.settings import Effort
-from obscli.numeric.transition import Panels, edges_of, longest_step, panels
+from obscli.numeric.transition import Panels, edges_of, longest_step, panels, times
 
 
 #: Rows are triangularised when they are more than so many per state.
@@ -47,9 +47,6 @@ _LARGEST: Final = 450
 
 #: Up to so many states whole products are faster than those of the moving rows alone.
 _DENSE: Final = 50
-
-#: Up to so many states a factorisation is wrong by one unit of rounding, a column.
-_SMALL: Final = 24
 
 
 def square_root_gramian(
@@ -91,10 +88,8 @@ class _Chain:
     def __init__(self, system: NumericSystem) -> None:
         n = system.n
         self._moving = system.moving
-        self._still = np.ones(n)
-        self._still[self._moving] = 0
-        self._frozen = np.diag(self._still)
-        self._rounding = EPS**2 * max(1.0, n / _SMALL)
+        self._identity = np.eye(n)
+        self._rounding = squared_rounding(n)
         self._rows = np.zeros((0, n))
         self._squares = np.zeros(n)
         self._error = np.zeros((n, n))
@@ -137,19 +132,17 @@ class _Chain:
         self._triangularise()
         factor = np.zeros((n, n))
         factor[: len(self._rows)] = self._rows
-        return factor, self._units.copy(), self._error.copy(), self._growth
+        return factor, self._units, self._error.copy(), self._growth
 
     def _transported(self, rows: Array, error: Array, transition: Array) -> tuple[Array, Array]:
         """Return rows Φ(a, b) and Φᵀ E Φ, given the moving states' rows of Φ."""
-        if len(self._still) <= _DENSE:
-            whole = self._frozen.copy()
+        if len(self._identity) <= _DENSE:
+            whole = self._identity.copy()
             whole[self._moving] = transition
             return rows @ whole, whole.T @ error @ whole
 
-        def times(matrix: Array) -> Array:
-            return matrix * self._still + matrix[:, self._moving] @ transition
-
-        return times(rows), times(times(error).T)
+        halfway = times(error, transition, self._moving).T
+        return times(rows, transition, self._moving), times(halfway, transition, self._moving)
 
     def _triangularise(self) -> None:
         self._rows = _triangle(self._rows)

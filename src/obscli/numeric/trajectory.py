@@ -61,7 +61,7 @@ def follow(numeric: Numeric, initial: Array, count: int) -> Trajectory:
             parts = np.linalg.solve(phi, parts)
             if end == instants[len(found)]:
                 found.append(parts)
-    H, states = system.coefficients(instants).H, np.array(found)
+    H, states = system.matrices(instants)[1], np.array(found)
     outputs = H @ states
     whole, alone = np.abs(outputs.sum(axis=2)).max(initial=0.0), np.abs(outputs).sum(axis=2).max(initial=0.0)
     possible = np.abs(H).max(initial=0.0) * np.abs(states).max(initial=0.0)

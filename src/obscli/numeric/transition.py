@@ -230,7 +230,7 @@ class _Solver:
         step = h[:, None, None]
 
         def over_panel(error: Array) -> Array:
-            local = _times(error, largest_X, moving)
+            local = times(error, largest_X, moving)
             squared: Array = (step * (local + step / 2 * (size[..., moving] @ local))) ** 2
             return squared
 
@@ -238,13 +238,13 @@ class _Solver:
         drift = over_panel(2 * ROUNDING * size) / NODES
         drift += over_panel(A_error) / (1 if system.is_constant else NODES)
         whole = step * _summed(rule.weights[None], derivative)[:, 0]
-        in_rows = _times(H_error**2, largest_X**2, moving)
+        in_rows = times(H_error**2, largest_X**2, moving)
         in_rows += (H**2).max(axis=1)[..., moving] @ drift
         shares = np.sqrt(h[:, None] * rule.weights)[..., None, None]
         found = Panels(
             ends=stops,
             transition=np.eye(n)[moving] - whole,
-            rows=(shares * _times(H, X, moving)).reshape(len(h), NODES * system.m, n),
+            rows=(shares * times(H, X, moving)).reshape(len(h), NODES * system.m, n),
             transition_error=(step * tail / NODES) ** 2 + drift,
             row_error=h[:, None] * in_rows.sum(axis=1),
         )
@@ -299,7 +299,7 @@ def _rounding(A: Array, error: Array, moving: Array, h: Array) -> Array:
     Where A X is zero by cancellation, its rounding is relative to what it is summed from.
     """
     largest = np.eye(A.shape[2])[moving] + _grown(A, h[:, None, None] * A, moving, h, first=2)
-    return _grown(A, _times(error, largest, moving), moving, h, first=1)
+    return _grown(A, times(error, largest, moving), moving, h, first=1)
 
 
 def _grown(A: Array, term: Array, moving: Array, h: Array, first: int) -> Array:
@@ -311,7 +311,7 @@ def _grown(A: Array, term: Array, moving: Array, h: Array, first: int) -> Array:
     return total
 
 
-def _times(rows: Array, X: Array, moving: Array) -> Array:
+def times(rows: Array, X: Array, moving: Array) -> Array:
     """Return rows X, given only the moving rows of X; the others are those of I."""
     return rows[..., moving] @ X + _without(rows, moving)
 
