@@ -68,10 +68,8 @@ def test_claims_belong_to_stages(model):
     assert [(claim.origin, claim.stage) for claim in one.claims] == [("claims", None), ("expect", "one")]
     assert [(claim.origin, claim.stage) for claim in two.claims] == [("claims", None), ("claims", "two")]
     assert (two.claims[1].at, two.claims[1].basis, two.claims[1].rank) == ("nominal", (), 0)
-    assert {key: text for key, (text, _) in two.claims[1].other.items()} == {
-        "determined": "[b]",
-        "detectable": "false",
-    }
+    assert {key: text for key, (text, _) in two.claims[1].other.items()} == {"detectable": "false"}
+    assert {name: verdict for name, (verdict, _) in two.claims[1].states.items()} == {"b": "observable"}
     assert {key: text for key, (text, _) in one.claims[1].other.items()} == {
         "measures": "{cond: 1e3}",
         "require": "{b: 1}",
@@ -86,6 +84,49 @@ def test_names_of_the_stage_count(model):
 def test_claims_about_an_experiment(model):
     (claim,) = model.claims
     assert (claim.experiment, texts(claim.basis)) == ("e", ["b"])
+
+
+EXPERIMENT = "experiment: {name: table, runs: [one, {stage: two, name: back}]}\nplan: {candidates: [two]}\n"
+
+
+def test_claims_about_some_runs():
+    claims = "claims: [{experiment: table, runs: [one, back, two], determined: [psi], states: {b: coupled}}]"
+    (claim,) = read_text(LINES + EXPERIMENT + claims, "model.yaml").claims
+
+    assert [(name, place.column) for name, place in claim.runs] == [("one", 37), ("back", 42), ("two", 48)]
+    assert {name: verdict for name, (verdict, _) in claim.states.items()} == {
+        "psi1": "observable",
+        "psi2": "observable",
+        "b": "coupled",
+    }
+    assert claim.everything is None
+
+
+def test_everything_determined():
+    lines = "claims: [{experiment: table, determined: all}, {stage: one, determined: all}]"
+    model = read_text(LINES + EXPERIMENT + lines, "model.yaml")
+
+    assert (model.claims[0].runs, model.claims[0].states) == ((), {})
+    assert (model.claims[0].everything.line, model.claims[0].everything.column) == (11, 42)
+    assert model.systems[0].claims[0].states.keys() == {"psi1", "psi2", "b"}
+
+
+@pytest.mark.parametrize(
+    ("claim", "message"),
+    [
+        ("{experiment: tabel}", "there is no experiment 'tabel'; did you mean 'table'"),
+        ("{experiment: table, runs: [bakc]}", "there is no run 'bakc'; did you mean 'back'"),
+        ("{experiment: table, runs: one}", "a list is expected here"),
+        ("{stage: one, runs: [one]}", "`runs` belongs to a claim about an experiment"),
+        ("{experiment: table, determined: [psy]}", "'psy' is no state; did you mean 'psi'"),
+        ("{experiment: table, determined: some}", "a list is expected here"),
+    ],
+)
+def test_wrong_claims_about_an_experiment(claim, message):
+    with pytest.raises(ModelError, match=message) as caught:
+        read_text(f"{LINES}{EXPERIMENT}claims: [{claim}]", "model.yaml")
+    (problem,) = caught.value.problems
+    assert problem.place.line == 11
 
 
 def test_claims_of_another_file(model, tmp_path):

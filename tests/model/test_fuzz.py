@@ -15,7 +15,8 @@ WORDS = st.sampled_from(
     [*KEYS, *STAGE_KEYS, "x", "y", "psi", "psi1", "g", "f", "t", "value", "shape", "structure", "lower", "components",
      "derivative", "invariant", "rank", "basis", "directions", "nominal", "Q", "R", "P0", "file", "scale", "latex",
      "<<", "~", "null", "-1", "0", "1", "3", "2*x", "sin(t)", "deriv(f)", "x + g", "[1, 2]", "psi @ psi", "1/0", "t^t",
-     "cross(psi, psi)", "(", "a(b", "quat_matrix(f)", "block([[1, x], [2, 3]])", "norm(psi)", "psi[2]", "eye(3)"]
+     "runs", "stage", "grid", "repeat", "constant", "fresh", "candidates", "forbidden", "setup_time",
+     "P0_std", "cross(psi, psi)", "(", "a(b", "quat_matrix(f)", "block([[1, x], [2, 3]])", "norm(psi)", "psi[2]", "eye(3)"]
 )  # fmt: skip
 TEXTS = WORDS | st.text(max_size=12) | st.text(alphabet="xtg123+-*/^@()[],. ", max_size=20)
 TREES = st.recursive(

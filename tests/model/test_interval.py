@@ -130,6 +130,20 @@ def test_initial_deviations(number, noise, deviations):
     assert {name: number(value, {"w": 0.5, "s": 3.0}) for name, value in prior.items()} == deviations
 
 
+@pytest.mark.parametrize(
+    ("noise", "deviation"),
+    [
+        ("{P0_std: 5*pi/180}", "pi/36"),
+        ("{P0_std: 0.01}", "1/100"),
+        ("{P0: 9/4}", "3/2"),
+        ("{P0: 2}", "sqrt(2)"),
+        ("{P0: w^2}", "sqrt(w**2)"),
+    ],
+)
+def test_roots_are_taken_where_they_are_exact(noise, deviation):
+    assert to_text(systems(f"noise: {noise}")[0].prior["b"]) == deviation
+
+
 def test_no_noise_no_deviations():
     assert systems()[0].prior == {}
 

@@ -6,7 +6,7 @@ import pytest
 
 from obscli.core.place import ModelError
 from obscli.model.expression import Number
-from obscli.model.notation import to_text
+from obscli.model.notation import covector_text, to_text
 from obscli.model.reader import read_text
 
 
@@ -236,43 +236,128 @@ def test_quantities():
     assert one.quantities[-1].text == "g*psi2 - b"
 
 
-KEPT = """
+def test_the_keys_of_a_whole_file():
+    model = read_text(
+        """
 format: 1
 name: demo
 description: >-
   two
   lines
-states: {psi: 3, b: 1}
-parameters: {tau: 100}
+states: {psi: 3, b: 1, c: 1}
+parameters: {tau: 100, g: 9.8}
 disturbances: {w: 3}
 dynamics: {psi: w, b: -b/tau}
 measurements: {y: psi}
-noise: {Q: {w: 1e-6}, R: [1, 1, 1], P0_std: {psi: 5*pi/180, b: 0.01}, step: 0.1}
+noise: {Q: {w: 1e-6}, R: [1, 1, g], P0_std: {psi: 5*pi/180, b: 0.01}, step: 0.1}
 interval: {start: 0, stop: 600, samples: 200}
 quantities: {e: -psi3}
 require: {b: 0.01*pi/180/3600, e: 0.5*pi/180}
 stages: {one: {}, two: {noise: {R: 4}, interval: {stop: 60}}}
-experiment: {runs: [one, {stage: two, name: back, fix: {tau: 2*tau}, repeat: 2, grid: {tau: [1, 2]}}], constant: [b], fresh: [psi1]}
-"""
-
-
-def test_kept_for_later_commands():
-    model = read_text(
-        KEPT,
+experiment: {name: both, runs: [one, {stage: two, name: back, fix: {g: 2*g}, repeat: 2, grid: {tau: [1, 2]}}], constant: [c], fresh: [psi1]}
+plan: {forbidden: [back (tau = 1)], setup_time: 10*tau}
+""",
         "file.yaml",
     )
     assert (model.name, model.description) == ("demo", "two lines")
     first, second = model.systems
-    assert first.noise.value["Q"].value["w"].value == "1e-6"
-    assert second.noise.value["R"].value == "4"
-    assert second.noise.value["step"].value == "0.1"
+    assert entries(first.noise.Q) == {(k, k): "1/1000000" for k in range(3)}
+    assert first.noise.driven == "disturbances"
+    assert entries(first.noise.R) == {(0, 0): "1", (1, 1): "1", (2, 2): "g"}
+    assert entries(first.noise.P0) == {
+        **{(k, k): "(pi/36)**2" for k in range(3)}, (3, 3): "1/10000"
+    }  # fmt: skip
+    assert entries(second.noise.Q) == entries(first.noise.Q)
+    assert entries(second.noise.R) == {(k, k): "4" for k in range(3)}
+    assert to_text(second.noise.step) == "1/10"
+    assert first.noise.place.line == 12
     assert (to_text(second.interval.start), to_text(second.interval.stop)) == ("0", "60")
     assert second.interval.samples == 200
     assert {name: to_text(std) for name, std in first.prior.items()} == {
         **dict.fromkeys(("psi1", "psi2", "psi3"), "pi/36"), "b": "1/100"
     }  # fmt: skip
-    assert model.require.value["e"].value == "0.5*pi/180"
-    assert model.experiment.value["runs"].value[1].value["name"].value == "back"
+    assert [(one.name, to_text(one.value)) for one in model.require] == [
+        ("b", "pi/64800000"),
+        ("e", "pi/360"),
+    ]
+    assert [covector_text(one.coefficients, first.state_names) for one in model.require] == ["b", "-psi3"]
+    assert (model.experiment.name, model.experiment.shared) == ("both", ("c",))
+    assert [run.name for run in model.experiment.runs] == [
+        "one", "back (tau = 1)", "back (tau = 1) #2", "back (tau = 2)", "back (tau = 2) #2",
+    ]  # fmt: skip
+    assert [run.place.line for run in model.experiment.runs] == [17] * 5
+    assert model.experiment.plan.forbidden == (("back (tau = 1)",),)
+    assert to_text(model.experiment.plan.setup_time) == "10*tau"
+
+
+NOISY = (
+    "states: {psi: 2, b: 1}", "parameters: {g: 9.8, s: 1}", "dynamics: {psi1: b}", "measurements: {y: psi, z: b}",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "expected"),
+    [
+        ("R", "2", {(0, 0): "2", (1, 1): "2", (2, 2): "2"}),
+        ("R", "0", {(0, 0): "0", (1, 1): "0", (2, 2): "0"}),
+        ("R", "[1, s, 3]", {(0, 0): "1", (1, 1): "s", (2, 2): "3"}),
+        ("R", "{y: s, z: 4}", {(0, 0): "s", (1, 1): "s", (2, 2): "4"}),
+        ("R", "{y: [1, 2]}", {(0, 0): "1", (1, 1): "2"}),
+        ("R", "{y: '[[1, s], [s, 2]]'}", {(0, 0): "1", (0, 1): "s", (1, 0): "s", (1, 1): "2"}),
+        ("R", "{y: 1, y2: s}", {(0, 0): "1", (1, 1): "s"}),
+        ("Q", "{b: t}", {(2, 2): "t"}),
+        ("P0", "{psi: '[[4, 0], [0, 9]]'}", {(0, 0): "4", (1, 1): "9"}),
+        ("P0_std", "{psi: [2, g]}", {(0, 0): "4", (1, 1): "g**2"}),
+    ],
+)
+def test_noise_is_a_matrix(key, text, expected):
+    noise = system(*NOISY, f"noise: {{{key}: {text}}}").noise
+
+    given = {
+        name: entries(matrix) for name in ("Q", "R", "P0") if (matrix := getattr(noise, name)) is not None
+    }
+    assert given == {key.removesuffix("_std"): expected}
+
+
+def test_noise_drives_the_disturbances_where_there_are_some():
+    assert system(*NOISY, "noise: {Q: 1}").noise.driven == "states"
+    driven = system(
+        "states: {psi: 2}", "disturbances: {n: 2, m: 1}", "dynamics: {psi: 'n + [m, 0]'}", "measurements: {y: psi}",
+        "noise: {Q: {n: 2, m: 3}}",
+    ).noise  # fmt: skip
+    assert (driven.driven, entries(driven.Q)) == ("disturbances", {(0, 0): "2", (1, 1): "2", (2, 2): "3"})
+    columns = system("states: [x, y]", "A: eye(2)", "G: eye(2)", "H: eye(2)", "noise: {Q: {w2: 5}}").noise
+    assert (columns.driven, entries(columns.Q)) == ("disturbances", {(1, 1): "5"})
+
+
+def test_noise_is_evaluated_in_the_names_of_the_stage():
+    one, two = read_text(
+        "\n".join([*NOISY, "let: {r: s}", "noise: {R: r}", "stages: {one: {}, two: {let: {r: 2*g}}}"]), "file"
+    ).systems
+    assert [entries(one.noise.R)[0, 0], entries(two.noise.R)[0, 0]] == ["s", "2*g"]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("{b: 0.1}", {"b": ("b", "1/10")}),
+        ("{psi: s}", {"psi1": ("psi1", "s"), "psi2": ("psi2", "s")}),
+        ("{psi: [1, 2]}", {"psi1": ("psi1", "1"), "psi2": ("psi2", "2")}),
+        ("{psi2: 1}", {"psi2": ("psi2", "1")}),
+        ("{e: 1}", {"e": ("-psi2 + b", "1")}),
+        ("{e2: 1}", {"e2": ("psi1", "1")}),
+        ("{v: [1, 2]}", {"v1": ("g*psi1", "1"), "v2": ("g*psi2", "2")}),
+    ],
+)
+def test_requirements(text, expected):
+    model = read_text(
+        "\n".join([*NOISY, "quantities: {e: b - psi2, e2: psi1, v: g*psi}", f"require: {text}"]), "file"
+    )
+    assert {
+        one.name: (covector_text(one.coefficients, model.systems[0].state_names), to_text(one.value))
+        for one in model.require
+    } == expected
+    assert {one.place.line for one in model.require} == {6}
 
 
 @pytest.mark.parametrize("key", ["signals", "linearize", "segments", "F", "step"])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from obscli.core.place import Place
@@ -14,8 +14,8 @@ from obscli.model.keys import Fields, choice_of, fields, items_of, text_of, whol
 from obscli.model.linear import quantity
 from obscli.model.plain import flow_text
 from obscli.model.scope import Scope
-from obscli.model.system import Claim, Quantity, State
-from obscli.model.tree import Broken, Node, Scalar
+from obscli.model.system import Claim, Experiment, Quantity, State
+from obscli.model.tree import Broken, Node, Scalar, Sequence
 from obscli.model.tree import Mapping as MappingNode
 from obscli.model.trouble import Problems, nearest, shown
 
@@ -24,10 +24,11 @@ Origin = Literal["claims", "expect"]
 VERDICTS: Final = ("observable", "coupled", "unobservable")
 COMBINATIONS: Final = ("basis", "observable", "unobservable")
 CLAIM_KEYS: Final = (
-    "stage", "experiment", "at", "rank", *COMBINATIONS, "directions", "states", "determined", "detectable",
+    "stage", "experiment", "runs", "at", "rank", *COMBINATIONS, "directions", "states", "determined",
+    "detectable",
 )  # fmt: skip
 EXPECT_KEYS: Final = (*CLAIM_KEYS, "measures", "require")
-_KEPT: Final = ("determined", "detectable", "measures", "require")
+_KEPT: Final = ("detectable", "measures", "require")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,6 +45,7 @@ class ClaimDraft:
     combinations: Mapping[str, tuple[Formula, ...]]
     directions: tuple[tuple[Node, Mapping[str, tuple[Scalar, Formula]]], ...]
     at: Mapping[str, tuple[Scalar, Formula]] | Literal["nominal"] | None
+    known: tuple[str, ...] | None = None  # the runs there are, where somebody knows
 
 
 def read_claims(
@@ -132,6 +134,7 @@ def _claim(draft: ClaimDraft, scope: Scope, states: tuple[State, ...], problems:
         place=draft.node.place,
         stage=draft.stage or None,
         experiment=draft.experiment or None,
+        runs=_runs(draft, problems),
         at=_values(draft, scope, problems),
         rank=draft.rank,
         rank_place=draft.given["rank"][1].place if "rank" in draft.given else None,
@@ -139,9 +142,77 @@ def _claim(draft: ClaimDraft, scope: Scope, states: tuple[State, ...], problems:
         observable=found["observable"],
         unobservable=found["unobservable"],
         directions=tuple(_directions(draft, scope, states, problems)),
-        states=_verdicts(draft, states, problems),
+        states=_together(draft, states, problems),
+        everything=_everything(draft),
         other={key: _kept(draft.given[key][1]) for key in _KEPT if key in draft.given},
     )
+
+
+def _runs(draft: ClaimDraft, problems: Problems) -> tuple[tuple[str, Place], ...]:
+    if "runs" not in draft.given:
+        return ()
+    key, node = draft.given["runs"]
+    if not draft.experiment:
+        hint = "name the experiment: `experiment: NAME`"
+        problems.add(key.problem(draft.path, "`runs` belongs to a claim about an experiment", hint))
+    path = f"{draft.path}.runs"
+    items = items_of(node, path, problems)
+    if isinstance(node, Sequence) and not items:
+        problems.add(node.problem(path, "the list is empty"))
+    if draft.known is not None:
+        for item in items:
+            name = item.text if isinstance(item, Scalar) else ""
+            if name not in draft.known:
+                problems.add(
+                    item.problem(path, f"there is no run '{shown(name)}'{nearest(name, draft.known)}")
+                )
+    return tuple((item.text, item.place) for item in items if isinstance(item, Scalar))
+
+
+def _everything(draft: ClaimDraft) -> Place | None:
+    """Return where `determined: all` stands."""
+    node = draft.given["determined"][1] if "determined" in draft.given else None
+    return node.place if isinstance(node, Scalar) and node.text == "all" else None
+
+
+def _together(
+    draft: ClaimDraft, states: tuple[State, ...], problems: Problems
+) -> dict[str, tuple[str, Place]]:
+    """Return the verdicts on states under `determined` and `states`, which must not contradict each other."""
+    determined, verdicts = _determined(draft, states, problems), _verdicts(draft, states, problems)
+    for name in determined.keys() & verdicts.keys():
+        if verdicts[name][0] != "observable":
+            message = f"'{name}' is {verdicts[name][0]} here, and determined above"
+            problems.add(draft.given["states"][1].problem(f"{draft.path}.states", message))
+    return {**determined, **verdicts}
+
+
+def _determined(
+    draft: ClaimDraft, states: tuple[State, ...], problems: Problems
+) -> dict[str, tuple[str, Place]]:
+    """Return the states under `determined` as observable ones."""
+    if "determined" not in draft.given:
+        return {}
+    node = draft.given["determined"][1]
+    if _everything(draft) is not None:
+        everyone = () if draft.experiment else states
+        return {state.name: ("observable", node.place) for state in everyone}
+    path = f"{draft.path}.determined"
+    result: dict[str, tuple[str, Place]] = {}
+    for item in items_of(node, path, problems):
+        name = item.text if isinstance(item, Scalar) else ""
+        found = _named(name, item, path, states, problems)
+        result.update(dict.fromkeys(found, ("observable", item.place)))
+    return result
+
+
+def _named(name: str, node: Node, path: str, states: tuple[State, ...], problems: Problems) -> list[str]:
+    """Return the states of a name: one, or those of a vector; an unknown one is reported."""
+    found = [state.name for state in states if name and name in (state.name, state.vector)]
+    if not found and not isinstance(node, Broken):
+        known = [spelling for state in states for spelling in (state.name, state.vector) if spelling]
+        problems.add(node.problem(path, f"'{shown(name)}' is no state{nearest(name, known)}"))
+    return found
 
 
 def _label(item: Formula) -> str:
@@ -195,12 +266,30 @@ def _verdicts(
         return {}
     path = f"{draft.path}.states"
     result: dict[str, tuple[str, Place]] = {}
-    known = [spelling for state in states for spelling in (state.name, state.vector) if spelling]
     for name, (key, value) in fields(draft.given["states"][1], path, None, problems).items():
         verdict = choice_of((key, value), f"{path}.{name}", VERDICTS, problems)
-        found = [state.name for state in states if name in (state.name, state.vector)]
-        if not found:
-            problems.add(key.problem(path, f"'{shown(name)}' is no state{nearest(name, known)}"))
+        found = _named(name, key, path, states, problems)
         if verdict:
             result.update(dict.fromkeys(found, (verdict, value.place)))
     return result
+
+
+def about_experiment(
+    drafts: tuple[ClaimDraft, ...], experiment: Experiment | None, problems: Problems
+) -> tuple[ClaimDraft, ...]:
+    """Return the claims about the experiment, told what runs there are; one about another is reported."""
+    found = []
+    for draft in drafts:
+        if not draft.experiment:
+            continue
+        if draft.stage:
+            key = draft.given["stage"][0]
+            problems.add(key.problem(draft.path, "`stage` and `experiment` are both given; one of the two"))
+        name = experiment.name if experiment else ""
+        if name and draft.experiment != name:
+            message = f"there is no experiment '{shown(draft.experiment)}'{nearest(draft.experiment, [name])}"
+            node = draft.given["experiment"][1]
+            problems.add(node.problem(f"{draft.path}.experiment", message, f"it is named {name}"))
+        runs = None if experiment is None else tuple(run.name for run in experiment.everything)
+        found.append(replace(draft, known=runs))
+    return tuple(found)

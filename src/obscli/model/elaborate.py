@@ -11,13 +11,15 @@ from obscli.model.declaration import Declared
 from obscli.model.draft import Draft, Entries
 from obscli.model.dynamics import motion
 from obscli.model.environment import Environment, environment
+from obscli.model.experiment import RunDraft
 from obscli.model.expression import Expression
 from obscli.model.formula import formula
-from obscli.model.kept import Targets, kept_interval, kept_noise
+from obscli.model.interval import kept_interval
 from obscli.model.keys import text_of
 from obscli.model.latex import checked_latex
 from obscli.model.linear import linear_values, quantity
 from obscli.model.meter import Meter
+from obscli.model.noise import Targets, noise_of
 from obscli.model.observation import observation
 from obscli.model.prior import prior_deviations
 from obscli.model.scope import Scope
@@ -29,6 +31,7 @@ from obscli.model.trouble import Incomplete, Problems
 class Setting:
     """What a stage is elaborated with: its name, fixes from outside, claims, what other stages define.
 
+    ``run``: the run, where it is one: its fixes come last.
     ``sound``: nothing was wrong in reading the sections, so that what is missing is missing in the file.
     """
 
@@ -39,6 +42,7 @@ class Setting:
     elsewhere: Mapping[str, str]
     claims: tuple[ClaimDraft, ...]
     meter: Meter
+    run: RunDraft | None = None
 
 
 def elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | None:
@@ -50,7 +54,15 @@ def elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | No
 
 
 def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | None:
-    known = environment(draft, setting.fix, setting.elsewhere, setting.meter, problems, base=setting.base)
+    known = environment(
+        draft,
+        setting.fix,
+        setting.run.fix if setting.run else {},
+        setting.elsewhere,
+        setting.meter,
+        problems,
+        base=setting.base,
+    )
     states = _states(draft, known, problems)
     if not draft.states_sound:
         return None
@@ -63,11 +75,11 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
         return None
     H, outputs = measured
     targets = Targets(
-        {name for state in states for name in (state.name, state.vector)},
-        {*dynamics.disturbances, *(one.name for one in draft.disturbances)},
-        {name for output in outputs for name in (output.name, output.vector)},
-        (len(states), len(dynamics.disturbances), len(outputs)),
+        tuple((state.name, state.vector) for state in states),
+        _disturbances(draft, dynamics.disturbances),
+        tuple((output.name, output.vector) for output in outputs),
     )
+    noise = noise_of(draft.noise, targets, known.scope, problems)
     return System(
         stage=setting.stage,
         time=draft.time or "t",
@@ -84,11 +96,17 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
         disturbances=dynamics.disturbances,
         quantities=_quantities(draft, still, problems),
         claims=claims_of(about(setting.claims, setting.stage), still, states, problems),
-        noise=kept_noise(draft.noise, "noise", targets, known.scope, problems),
-        prior=prior_deviations(draft.noise, states, known.scope),
+        noise=noise,
+        prior=prior_deviations(noise, states),
         interval=kept_interval(draft.interval, "interval", known.scope, problems),
         scope=still,
     )
+
+
+def _disturbances(draft: Draft, names: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+    """Return the scalar disturbances, each with the name it was declared under."""
+    whole = {part: one.name for one in draft.disturbances for part in one.components}
+    return tuple((name, whole.get(name, "")) for name in names)
 
 
 def _report_missing(draft: Draft, setting: Setting, problems: Problems) -> None:
@@ -102,7 +120,8 @@ def _report_missing(draft: Draft, setting: Setting, problems: Problems) -> None:
             and setting.sound
             and not problems
         ):
-            where = f"stage '{setting.stage}'" if setting.stage else "the model"
+            what = "run" if setting.run else "stage"
+            where = f"{what} '{setting.stage}'" if setting.stage else "the model"
             problems.add(draft.node.problem("", f"{where} has neither `{matrix}` nor `{sides}`"))
 
 

@@ -32,6 +32,7 @@ class Environment:
 def environment(
     draft: Draft,
     outer: Entries,
+    run: Entries,
     elsewhere: Mapping[str, str],
     meter: Meter,
     problems: Problems,
@@ -43,10 +44,11 @@ def environment(
     Parameters
     ----------
     outer : fixes from outside the file (``--fix``); they win over those of the stage
+    run : fixes of a run, made after all others
     elsewhere : names that only some stages define, with the names of these stages
     base : whether this is the base of a file with stages, where such names leave the model incomplete
     """
-    fixed = fixed_values(draft, outer, meter, problems)
+    fixed = fixed_values(draft, outer, run, meter, problems)
     known = constants(draft, fixed, meter, problems)
     values = {**known.values, **_moving(draft, fixed)}
     rules = Rules(draft, fixed)

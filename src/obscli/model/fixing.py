@@ -1,4 +1,4 @@
-"""Exact substitutions: ``fix`` of a stage and ``--fix``; right-hand sides refer to the values outside."""
+"""Exact substitutions: ``fix`` of a stage or run, and ``--fix``; right-hand sides refer to values outside."""
 
 from __future__ import annotations
 
@@ -17,11 +17,19 @@ from obscli.model.tensor import Tensor, named, scalar
 from obscli.model.trouble import Problems, nearest, shown
 
 
-def fixed_values(draft: Draft, outer: Entries, meter: Meter, problems: Problems) -> dict[str, Tensor]:
-    """Return the value of every fixed scalar name; ``outer`` wins over the stage's own."""
+def fixed_values(
+    draft: Draft, outer: Entries, run: Entries, meter: Meter, problems: Problems
+) -> dict[str, Tensor]:
+    """Return the value of every fixed scalar name; ``outer`` wins over the stage's own.
+
+    Parameters
+    ----------
+    run : fixes of a run, made last: they refer to the values that hold outside the run
+    """
     outside = _layer(draft, outer, {}, meter, problems)
     inside = _layer(draft, draft.fix, outside, meter, problems)
-    return {**inside, **outside}
+    known = {**inside, **outside}
+    return {**known, **_layer(draft, run, known, meter, problems)}
 
 
 def _layer(

@@ -55,6 +55,13 @@ class Formula:
         return self.node.text.strip() if isinstance(self.node, Scalar) else ""
 
 
+def times_matrix(one: Formula, matrix: Formula) -> Formula:
+    """Return ``one @ matrix``, in the place of the first."""
+    at = one.steps[-1].node if one.steps else matrix.steps[-1].node
+    steps = (*one.steps, *matrix.steps, Located(Step("@", 0, 1, 2, "@"), at))
+    return Formula(one.path, one.node, steps, one.sound and matrix.sound)
+
+
 def formula(node: Node, path: str, problems: Problems) -> Formula:
     """Parse a node, reporting what is wrong in each of its texts."""
     steps: list[Located] = []

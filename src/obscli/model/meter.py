@@ -16,16 +16,22 @@ HIGHEST: Final = 10_000
 
 
 class Meter:
-    """Counts operations, distinct nodes, depth and degree over one reading."""
+    """Counts operations, distinct nodes, depth and degree over one reading.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    most : operations allowed
+    """
+
+    def __init__(self, most: int = MOST_WORK) -> None:
+        self._most = most
         self._work = 0
         self._measured: dict[int, tuple[Expression, int, int]] = {}
 
     @property
     def is_exhausted(self) -> bool:
         """Whether the limit is reached; nothing more is evaluated then."""
-        return self._work > MOST_WORK
+        return self._work > self._most
 
     def charge(self, amount: int) -> None:
         """Add to the work done."""
@@ -34,7 +40,7 @@ class Meter:
         self._work += amount
         if self.is_exhausted:
             raise Impossible(
-                f"the model takes over {MOST_WORK:,} operations to expand",
+                f"the model takes over {self._most:,} operations to expand",
                 "a model takes a few thousand; look for expressions that grow at every step",
             )
 

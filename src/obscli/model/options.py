@@ -12,7 +12,7 @@ from obscli.model.form import ZERO_FORM
 from obscli.model.formula import Formula, formula
 from obscli.model.scope import Absent, Scope
 from obscli.model.source import Source, checked
-from obscli.model.system import Matrix, Output, Quantity, State, System
+from obscli.model.system import Matrix, Noise, Output, Quantity, State, System
 from obscli.model.tensor import Tensor
 from obscli.model.tree import Scalar
 from obscli.model.trouble import Problems, nearest, shown
@@ -65,10 +65,12 @@ def selected(system: System, options: Options, problems: Problems) -> System:
     """Return the system with the outputs asked for and without the states left out."""
     if options.outputs:
         rows = _positions("--outputs", options.outputs, system.outputs, problems)
+        noise = system.noise
         system = replace(
             system,
             outputs=tuple(system.outputs[i] for i in rows),
             H=_taken(system.H, rows, range(system.n)),
+            noise=noise and replace(noise, R=noise.R and _taken(noise.R, rows, rows)),
             claims=(),
         )
     if options.without:
@@ -137,8 +139,16 @@ def _without(system: System, kept: list[int]) -> System:
         quantities=tuple(
             _restricted(one, names) for one in system.quantities if names & one.coefficients.keys()
         ),
+        noise=system.noise and _narrowed_noise(system.noise, kept),
+        prior={name: entry for name, entry in system.prior.items() if name in names},
         claims=(),
     )
+
+
+def _narrowed_noise(noise: Noise, kept: list[int]) -> Noise:
+    """Return the noise of the states kept: their prior, and what drives them."""
+    Q = noise.Q and (_taken(noise.Q, kept, kept) if noise.driven == "states" else noise.Q)
+    return replace(noise, Q=Q, P0=noise.P0 and _taken(noise.P0, kept, kept))
 
 
 def _narrowed(scope: Scope, left_out: set[str]) -> Scope:

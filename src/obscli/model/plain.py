@@ -1,22 +1,8 @@
-"""Parts of the file kept as they stand for later commands: ``noise``, ``interval``, ``experiment``."""
+"""Parts of the file as one line of text."""
 
 from __future__ import annotations
 
-from obscli.model.system import Plain
 from obscli.model.tree import Broken, Mapping, Node, Scalar, Sequence
-
-
-def plain(node: Node) -> Plain:
-    """Return the node without its YAML form."""
-    match node:
-        case Scalar():
-            return Plain(None if node.is_null else node.text, node.place)
-        case Sequence():
-            return Plain(tuple(plain(item) for item in node.items), node.place)
-        case Mapping():
-            return Plain({key.text: plain(value) for key, value in node.entries}, node.place)
-        case Broken():
-            return Plain(None, node.place)
 
 
 def flow_text(node: Node) -> str:

@@ -9,29 +9,32 @@ from types import MappingProxyType
 from typing import Final
 
 from obscli.core.place import ModelError, Place, Problem
-from obscli.model.claims import Origin, about, claims_of, read_claims
+from obscli.model.claims import Origin, about, about_experiment, claims_of, read_claims
 from obscli.model.compose import compose
 from obscli.model.covector import scope_of
 from obscli.model.draft import Draft
-from obscli.model.experiment import kept_experiment
-from obscli.model.kept import kept_require
+from obscli.model.experiment import Known, RunDraft, read_experiment, read_plan
 from obscli.model.keys import NOT_YET, Fields, choice_of, fields, text_of
+from obscli.model.meter import MOST_WORK, Meter
 from obscli.model.namespace import check_namespace
 from obscli.model.options import Options, fixes, selected, set_values
+from obscli.model.runs import Elaborated, experiment_of, requirements
 from obscli.model.sections import SYSTEM_KEYS, read_draft
 from obscli.model.source import Source, checked, read_source
 from obscli.model.stages import Variants, read_stages
-from obscli.model.system import Claim, Model, Plain
+from obscli.model.system import Claim, Model, System
 from obscli.model.tree import Mapping as MappingNode
 from obscli.model.tree import Node, Scalar
 from obscli.model.trouble import Problems, shown
 
 
 ORIGINS: Final[tuple[Origin, ...]] = ("claims", "expect")
+#: Operations in which all runs of a file together have to be expanded.
+RUNS_WORK: Final = 20 * MOST_WORK
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 KEYS: Final = (
     "format", "name", "title", "description", "source", *SYSTEM_KEYS, "require", "stages", "experiment",
-    "claims", "expect",
+    "plan", "claims", "expect",
 )  # fmt: skip
 
 
@@ -109,8 +112,10 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
         title=text_of(given.get("title"), "title", problems),
         description=text_of(given.get("description"), "description", problems),
         source=text_of(given.get("source"), "source", problems),
-        experiment=_experiment(_node(given, "experiment"), draft, stages, problems),
     )
+    known = _known(draft, stages)
+    experiment = read_experiment(_node(given, "experiment"), known, problems)
+    plan = read_plan(_node(given, "plan"), known, problems)
     if not draft.states:
         if "states" not in given or not problems:
             problems.add(root.problem("", "`states` is missing: the names of the states, in order"))
@@ -124,13 +129,28 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     if not systems:
         return None
     scope, states = scope_of(systems[0]), systems[0].states
-    wanted = {name for one in states for name in (one.name, one.vector)} | draft.quantities.keys()
+    wanted = {name for one in states for name in (one.name, one.vector) if name} | draft.quantities.keys()
+    found = experiment_of(experiment, plan, _elaborated(variants, options), problems)
+    chosen = tuple(selected(system, options, problems) for system in systems)
+    about_it = claims_of(about_experiment(claims, found, problems), scope, states, problems)
     return replace(
         model,
-        systems=tuple(selected(system, options, problems) for system in systems),
-        require=kept_require(_node(given, "require"), wanted, scope, problems),
-        claims=claims_of(tuple(one for one in claims if one.experiment), scope, states, problems),
+        systems=chosen,
+        experiment=found,
+        require=requirements(_node(given, "require"), chosen[0], wanted, problems),
+        claims=about_it,
     )
+
+
+def _elaborated(variants: Variants, options: Options) -> Elaborated:
+    """Return what makes the system of a run, all changes made."""
+    meter = Meter(RUNS_WORK)
+
+    def of(run: RunDraft, problems: Problems) -> System | None:
+        system = variants.run(run, meter, problems)
+        return None if system is None else selected(system, options, problems)
+
+    return of
 
 
 def _node(given: Fields, key: str) -> Node | None:
@@ -146,12 +166,14 @@ def _check_format(given: Fields, problems: Problems) -> None:
         choice_of(given["format"], "format", ("1",), problems)
 
 
-def _experiment(
-    node: Node | None, draft: Draft, stages: Mapping[str, Draft], problems: Problems
-) -> Plain | None:
-    states = [name for one in draft.states for name in (one.name, *one.components)]
+def _known(draft: Draft, stages: Mapping[str, Draft]) -> Known:
+    """Return the names that runs may use."""
     functions = [name for one in draft.functions for name in (one.declared.name, *one.declared.components)]
-    return kept_experiment(node, tuple(stages), states, [*draft.parameters, *functions], problems)
+    return Known(
+        stages=tuple(stages),
+        states=[name for one in draft.states for name in (one.name, *one.components)],
+        fixable=[*draft.parameters, *functions],
+    )
 
 
 def load_claims(model: Model, path: str | Path) -> Mapping[str | None, tuple[Claim, ...]]:
@@ -181,7 +203,7 @@ def load_claims(model: Model, path: str | Path) -> Mapping[str | None, tuple[Cla
     for system in model.systems:
         here = about(drafts, system.stage)
         found[system.stage] = claims_of(here, scope_of(system), system.states, problems)
-    rest = tuple(one for one in drafts if one.experiment)
+    rest = about_experiment(drafts, model.experiment, problems)
     if rest:
         first = model.systems[0]
         found[None] = found.get(None, ()) + claims_of(rest, scope_of(first), first.states, problems)

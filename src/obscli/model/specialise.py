@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from obscli.model.expression import Expression, Symbol, TimeDerivative, is_zero, substitute
-from obscli.model.system import Covector, Function, Interval, Invariant, Matrix, System
+from obscli.model.system import Covector, Function, Interval, Invariant, Matrix, Noise, System
 
 
 class Specialisation:
@@ -52,6 +52,9 @@ class Specialisation:
             invariants=tuple(Invariant(self.expression(i.expression), i.place) for i in system.invariants),
             A=_matrix(system.A, self.expression),
             H=_matrix(system.H, self.expression),
+            B=system.B and _matrix(system.B, self.expression),
+            G=system.G and _matrix(system.G, self.expression),
+            noise=self._noise(system.noise),
             quantities=tuple(
                 replace(q, coefficients=self.covector(q.coefficients)) for q in system.quantities
             ),
@@ -62,6 +65,12 @@ class Specialisation:
 
     def _optional(self, expression: Expression | None) -> Expression | None:
         return None if expression is None else self.expression(expression)
+
+    def _noise(self, noise: Noise | None) -> Noise | None:
+        if noise is None:
+            return None
+        Q, R, P0 = (one and _matrix(one, self.expression, zeros=True) for one in (noise.Q, noise.R, noise.P0))
+        return replace(noise, Q=Q, R=R, P0=P0, step=self._optional(noise.step))
 
     def _interval(self, interval: Interval | None) -> Interval | None:
         if interval is None:
@@ -78,6 +87,8 @@ def at_nominal(system: System) -> Specialisation:
     return Specialisation(system, {p.name: p.nominal for p in system.parameters if p.nominal is not None})
 
 
-def _matrix(matrix: Matrix, exchange: Callable[[Expression], Expression]) -> Matrix:
+def _matrix(matrix: Matrix, exchange: Callable[[Expression], Expression], *, zeros: bool = False) -> Matrix:
+    """Return the matrix with its entries exchanged; ``zeros``: a zero is an entry, too."""
     entries = {place: exchange(entry) for place, entry in matrix.entries.items()}
-    return replace(matrix, entries={place: entry for place, entry in entries.items() if not is_zero(entry)})
+    kept = {place: entry for place, entry in entries.items() if zeros or not is_zero(entry)}
+    return replace(matrix, entries=kept)

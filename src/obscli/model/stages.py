@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
-from obscli.core.place import Problem
+from obscli.core.place import Place, Problem
 from obscli.model.claims import ClaimDraft
-from obscli.model.draft import Draft, Entries, merged
+from obscli.model.draft import Draft, Entries, Entry, merged
 from obscli.model.elaborate import Setting, elaborate
+from obscli.model.experiment import RunDraft
+from obscli.model.formula import Formula, times_matrix
 from obscli.model.keys import fields
 from obscli.model.meter import Meter
 from obscli.model.sections import STAGE_KEYS, read_draft
@@ -35,19 +37,20 @@ def read_stages(node: Node | None, problems: Problems) -> dict[str, Draft]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Variants:
-    """A base, its stages, and what the command line changes in all of them."""
+    """A base, its stages, what the command line changes in all of them; ``told``: problems found so far."""
 
     base: Draft
     stages: Mapping[str, Draft]
     settings: Draft
     fix: Entries
     claims: tuple[ClaimDraft, ...]
+    told: set[tuple[Place, str]] = field(default_factory=set)
 
     def elaborate(self, problems: Problems) -> tuple[System, ...]:
         """Return the systems, the base first unless a stage equals it or it is incomplete."""
         _check_forms(self.base, "", problems)
         for stage_name, stage in self.stages.items():
-            self._check_replaced(stage_name, stage, problems)
+            self._check_replaced(f"stages.{stage_name}", stage, problems)
         names: list[str | None] = list(self.stages)
         if not any(stage.is_empty for stage in self.stages.values()):
             names.insert(0, None)
@@ -68,9 +71,28 @@ class Variants:
                 found.setdefault((problem.place, problem.message), (problem, []))[1].append(name)
             if meter.is_exhausted:
                 break
+        self.told.update((problem.place, problem.message) for problem, _ in found.values())
         for problem, where in found.values():
             problems.add(_attributed(problem, where, len(names)))
         return tuple(systems)
+
+    def run(self, run: RunDraft, meter: Meter, problems: Problems) -> System | None:
+        """Return the system of a run; None where it is wrong, which is reported with the run's name."""
+        self._check_replaced(run.path, run.change, problems)
+        if meter.is_exhausted:
+            return None
+        setting = Setting(run.name, False, True, self.fix, self._elsewhere(), (), meter, run)  # noqa: FBT003
+        here = Problems()
+        changed = merged(merged(self._draft(run.stage), replace(run.change, fix={})), self.settings)
+        if run.turn is not None:
+            changed = _turned(changed, *run.turn)
+        system = elaborate(changed, setting, here)
+        for problem in here:
+            place = (problem.place, problem.message)
+            if place not in self.told:  # by a stage, or by another run
+                self.told.add(place)
+                problems.add(replace(problem, message=f"{problem.message} (in run '{shown(run.name)}')"))
+        return system
 
     def _draft(self, name: str | None) -> Draft:
         return self.base if name is None else merged(self.base, self.stages[name])
@@ -90,13 +112,24 @@ class Variants:
             if parameter not in self.base.parameters:
                 message = f"'{shown(parameter)}' is no parameter of the file"
                 hint = nearest(parameter, self.base.parameters)
-                problems.add(given.key.problem(f"stages.{name}.parameters", message + hint))
-        _check_forms(stage, f"stages.{name}", problems)
-        taken = {one.name for one in self.base.states} | self.base.parameters.keys()
+                problems.add(given.key.problem(f"{name}.parameters", message + hint))
+        _check_forms(stage, name, problems)
+        taken = {one.name: "a state" for one in self.base.states}
+        taken |= dict.fromkeys(self.base.parameters, "a parameter")
+        taken |= {one.declared.name: "a function" for one in self.base.functions}
+        taken[self.base.time or "t"] = "the time"
         for entry, given_entry in stage.let.items():
             if entry in taken:
-                message = f"the name '{shown(entry)}' is taken by a state or parameter"
-                problems.add(given_entry.key.problem(f"stages.{name}.let", message))
+                message = f"the name '{shown(entry)}' is taken: it is {taken[entry]}"
+                problems.add(given_entry.key.problem(f"{name}.let", message))
+
+
+def _turned(draft: Draft, name: str, matrix: Formula) -> Draft:
+    """Return the draft with a value of ``let`` multiplied by a matrix from the right."""
+    entry = draft.let.get(name)
+    if entry is None or entry.formula is None:
+        return draft
+    return replace(draft, let={**draft.let, name: Entry(entry.key, times_matrix(entry.formula, matrix))})
 
 
 def _check_forms(draft: Draft, path: str, problems: Problems) -> None:

@@ -6,7 +6,7 @@ y = H x + v. One ``System`` is one stage of a ``Model`` with all its replacement
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeAlias
@@ -103,13 +103,16 @@ class Claim:
     """One entry of ``claims`` or ``expect``: what is asserted of a stage, at generic values or ``at`` some.
 
     ``at`` is None for generic values, "nominal" for the file's, else parameter name → exact value.
-    ``other`` keeps fields that later commands check (measures, ``determined``, ``detectable``, …) as text.
+    A claim about an experiment may be about some ``runs`` only (empty: all); ``everything`` is where it says
+    that all shared states are determined. ``other`` keeps fields that later commands check (measures,
+    ``detectable``, …) as text.
     """
 
     origin: Literal["claims", "expect"]
     place: Place
     stage: str | None = None
     experiment: str | None = None
+    runs: tuple[tuple[str, Place], ...] = ()
     at: Mapping[str, Expression] | Literal["nominal"] | None = None
     rank: int | None = None
     rank_place: Place | None = None
@@ -118,15 +121,30 @@ class Claim:
     unobservable: tuple[Quantity, ...] = ()
     directions: tuple[Quantity, ...] = ()
     states: Mapping[str, tuple[str, Place]] = field(default_factory=dict)
+    everything: Place | None = None
     other: Mapping[str, tuple[str, Place]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Plain:
-    """A validated part of the file kept as it stands for later commands: mapping, list or scalar text."""
+class Noise:
+    """``noise``: sparse matrices over disturbances (or states, ``driven``), outputs and states.
 
-    value: Mapping[str, Plain] | tuple[Plain, ...] | str | None
+    Parameters
+    ----------
+    Q : spectral density of w, None where there is none
+    driven : the names Q is over: the states themselves, or the disturbances
+    R : spectral density of v, or its covariance per sample where there is a ``step``; None: not given
+    P0 : initial covariance of the states it is given for; a state without an entry has no prior
+    step : time between samples
+    place : where the file gives it
+    """
+
     place: Place
+    Q: Matrix | None = None
+    driven: Literal["states", "disturbances"] = "states"
+    R: Matrix | None = None
+    P0: Matrix | None = None
+    step: Expression | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,7 +181,7 @@ class System:
     disturbances: tuple[str, ...] = ()
     quantities: tuple[Quantity, ...] = ()
     claims: tuple[Claim, ...] = ()
-    noise: Plain | None = None
+    noise: Noise | None = None
     prior: Mapping[str, Expression] = field(default_factory=dict)
     interval: Interval | None = None
     scope: Scope | None = None
@@ -185,6 +203,59 @@ class System:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """One run of an experiment: a stage with its replacements made (``system.stage`` is the run's name).
+
+    ``turned``: makes the system with the matrix of a `let` entry multiplied from the right by another, as
+    text; None where the entry is not there, or the system is wrong then.
+    """
+
+    name: str
+    system: System
+    stage: str | None
+    place: Place
+    turned: Callable[[str, str], System | None] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Planning:
+    """``plan``: what to choose from (None: the runs of the experiment), what not, time to set up a run.
+
+    ``forbidden``: each a set of candidates of which not all may be chosen; one alone is never chosen.
+    """
+
+    candidates: tuple[Run, ...] | None
+    forbidden: tuple[tuple[str, ...], ...]
+    setup_time: Expression | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Experiment:
+    """Runs in order, and the states they share, in the order of the states; the others start anew."""
+
+    name: str
+    description: str
+    runs: tuple[Run, ...]
+    shared: tuple[str, ...]
+    plan: Planning | None = None
+
+    @property
+    def everything(self) -> tuple[Run, ...]:
+        """All runs, and all candidates of the plan."""
+        return (*self.runs, *((self.plan and self.plan.candidates) or ()))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Requirement:
+    """Accuracy asked for: one standard deviation of a state or quantity."""
+
+    name: str
+    coefficients: Covector
+    value: Expression
+    place: Place
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Model:
     """One file: identification and its systems (stages; the base system first where complete alone).
 
@@ -197,6 +268,6 @@ class Model:
     title: str = ""
     description: str = ""
     source: str = ""
-    experiment: Plain | None = None
-    require: Plain | None = None
+    experiment: Experiment | None = None
+    require: tuple[Requirement, ...] = ()
     claims: tuple[Claim, ...] = ()
