@@ -22,6 +22,7 @@ GOLDEN = Path(__file__).with_name("golden")
         ("terminal_120.txt", "terminal", Surface(width=120)),
         ("report.md", "markdown", Surface(details=True)),
         ("report.tex", "latex", Surface(details=True)),
+        ("report.html", "html", Surface(details=True)),
         ("report.json", "json", Surface()),
     ],
 )
@@ -43,6 +44,7 @@ def test_report_is_as_agreed(report, name, form, surface):
         ("120.txt", "terminal", Surface(width=120)),
         ("md", "markdown", Surface(details=True)),
         ("tex", "latex", Surface(details=True)),
+        ("html", "html", Surface(details=True)),
         ("json", "json", Surface()),
     ],
 )

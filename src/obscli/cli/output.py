@@ -36,9 +36,11 @@ PLAIN_SIGNS: Final = str.maketrans(
 )
 
 
-def deliver(report: Report, form: str, file: Path | None, *, details: bool = False) -> None:
-    """Render the report and write it where the user wants it."""
-    text = format_named(form).render(report, _surface(file, details=details))
+def deliver(
+    report: Report, form: str, file: Path | None, *, details: bool = False, figures: bool = False
+) -> None:
+    """Render the report and write it where the user wants it, with figures where the format can."""
+    text = format_named(form).render(report, _surface(file, details=details, figures=figures))
     write(text, file)
 
 
@@ -50,11 +52,11 @@ def write(text: str, file: Path | None) -> None:
         _save(text, file)
 
 
-def _surface(file: Path | None, *, details: bool) -> Surface:
+def _surface(file: Path | None, *, details: bool, figures: bool = False) -> Surface:
     width = min(shutil.get_terminal_size((DEFAULT_WIDTH, 24)).columns, WIDEST)
     terminal = file is None and sys.stdout.isatty()
     plain = bool(os.environ.get("NO_COLOR")) or os.environ.get("TERM") == "dumb"
-    return Surface(width=width, colour=terminal and not plain, details=details)
+    return Surface(width=width, colour=terminal and not plain, details=details, figures=figures)
 
 
 def _print(text: str) -> None:

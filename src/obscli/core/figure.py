@@ -1,4 +1,4 @@
-"""The neutral figure: curves with their meaning, before any library draws them."""
+"""The neutral figure: curves and maps with their meaning, before any library draws them."""
 
 from __future__ import annotations
 
@@ -32,10 +32,30 @@ class Panel:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class HeatMap:
+    """A table of greys.
+
+    Parameters
+    ----------
+    rows, columns : their labels
+    values : of every row, from 0 (white) to 1 (dark); None where there is no value
+    texts : of every row, what is written in its cells where there is room
+    legend : what dark means
+    """
+
+    title: str
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+    values: tuple[tuple[float | None, ...], ...]
+    texts: tuple[tuple[str, ...], ...]
+    legend: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Figure:
-    """Panels below each other; ``name`` becomes the name of a file."""
+    """Panels and maps below each other; ``name`` becomes the name of a file, ``x_label`` is the panels'."""
 
     name: str
     title: str
     x_label: str
-    panels: tuple[Panel, ...]
+    panels: tuple[Panel | HeatMap, ...]

@@ -11,11 +11,12 @@ from obscli.core.report import Report
 
 @dataclass(frozen=True, slots=True)
 class Surface:
-    """Where a report will be read: columns of the terminal, colour or not, details shown or not."""
+    """Where a report will be read: columns of the terminal; whether colour, details, figures are shown."""
 
     width: int = 100
     colour: bool = False
     details: bool = False
+    figures: bool = False
 
 
 Render: TypeAlias = Callable[[Report, Surface], str]

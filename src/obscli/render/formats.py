@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import Final
 
 from obscli.render.format import Format
+from obscli.render.html import HTML
 from obscli.render.json_text import JSON
 from obscli.render.latex import LATEX
 from obscli.render.markdown import MARKDOWN
 from obscli.render.terminal import TERMINAL
 
 
-FORMATS: Final[tuple[Format, ...]] = (TERMINAL, JSON, MARKDOWN, LATEX)
+FORMATS: Final[tuple[Format, ...]] = (TERMINAL, JSON, MARKDOWN, LATEX, HTML)
 
 
 def format_named(name: str) -> Format:

@@ -15,9 +15,8 @@ def render(report: Report, surface: Surface) -> str:
 
     del surface
     text = json.dumps(report.data(), indent=2, ensure_ascii=False, allow_nan=False)
-    if text.isascii() and "\x7f" not in text:
-        return text + "\n"
-    return "".join(c if c == "\n" or visible(c) == c else _escaped(c) for c in text) + "\n"
+    hidden = {c for c in set(text) if c != "\n" and visible(c) != c}
+    return text.translate({ord(c): _escaped(c) for c in hidden}) + "\n"
 
 
 def _escaped(character: str) -> str:
