@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 from obscli.exact.advice import advise
 from obscli.exact.basis import preferred_basis, sparse_basis
-from obscli.exact.critical import search_critical_values
+from obscli.exact.critical import search_candidates, search_critical_values
 from obscli.exact.echelon import PolyRow
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.exact_system import read_system
@@ -35,12 +35,12 @@ class Options:
 
     ``basis``: the form of the printed basis, or rows the user prefers; ``pivot_order``: states to be
     eliminated first, the rest following in the order of the model; ``critical``: search for parameter
-    values at which the rank drops.
+    values at which the rank drops, or only for candidates.
     """
 
     basis: Literal["echelon", "sparse"] | tuple[Quantity, ...] = "echelon"
     pivot_order: tuple[str, ...] = ()
-    critical: bool = True
+    critical: bool | Literal["candidates"] = True
     certificate: bool = True
 
 
@@ -88,7 +88,7 @@ def _describe(proof: Proof, options: Options, progress: Progress) -> Analysis:
     critical = None
     if options.critical:
         progress("critical values")
-        critical = _critical(proof, progress)
+        critical = _critical(proof, options, progress)
     progress("rank at the file's values")
     analysis = Analysis(
         system=system,
@@ -112,9 +112,10 @@ def _describe(proof: Proof, options: Options, progress: Progress) -> Analysis:
     return replace(analysis, advice=advise(analysis))
 
 
-def _critical(proof: Proof, progress: Progress) -> CriticalSearch:
+def _critical(proof: Proof, options: Options, progress: Progress) -> CriticalSearch:
+    search = search_candidates if options.critical == "candidates" else search_critical_values
     try:
-        return search_critical_values(proof, progress)
+        return search(proof, progress)
     except UndecidedError as error:
         return CriticalSearch((), complete=False, not_searched=(str(error),), instants=())
 

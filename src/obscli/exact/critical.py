@@ -44,11 +44,36 @@ class _Search:
     proof: Proof
     values: list[CriticalValue]
     complete: bool
+    confirms: bool = True
 
 
 def search_critical_values(proof: Proof, progress: Callable[[str], None]) -> CriticalSearch:
     """Search parameter values, identities among functions and instants at which the rank drops."""
-    search = _Search(proof, [], complete=True)
+    search, left_out = _search(_Search(proof, [], complete=True), progress)
+    identities, unsearched = search_identities(proof, progress)
+    values = (*merge_opposite_angles(search.values), *identities)
+    not_searched = (*left_out, *unsearched, *_codimension(proof))
+    instants = search_instants(proof)
+    return CriticalSearch(values, search.complete and not left_out, not_searched, instants)
+
+
+def search_candidates(proof: Proof, progress: Callable[[str], None]) -> CriticalSearch:
+    """Search parameter values at which the rank may drop, without the proof on the specialised system.
+
+    What passes the screen is of the kind "candidate": for somebody who confirms it for a larger system.
+    """
+    search, left_out = _search(_Search(proof, [], complete=True, confirms=False), progress)
+    jets = any(g.kind == "jet" for g in proof.exact.field.generators)
+    functions = ("identities among functions",) if jets else ()
+    values = tuple(merge_opposite_angles(search.values))
+    return CriticalSearch(
+        values, search.complete and not left_out, (*left_out, *functions, *_codimension(proof)), ()
+    )
+
+
+def _search(search: _Search, progress: Callable[[str], None]) -> tuple[_Search, tuple[str, ...]]:
+    """Try every candidate; return what was found and what was left out."""
+    proof = search.proof
     candidates, left_out = _candidates(proof)
     for candidate in candidates:
         progress(f"critical values: {_condition(proof, candidate.polynomial)}")
@@ -58,11 +83,7 @@ def search_critical_values(proof: Proof, progress: Callable[[str], None]) -> Cri
             _leave_open(search, condition, "it could not be solved for a parameter")
         else:
             _confirm(search, solution, allowed=True)
-    identities, unsearched = search_identities(proof, progress)
-    values = (*merge_opposite_angles(search.values), *identities)
-    not_searched = (*left_out, *unsearched, *_codimension(proof))
-    instants = search_instants(proof)
-    return CriticalSearch(values, search.complete and not left_out, not_searched, instants)
+    return search, left_out
 
 
 def _candidates(proof: Proof) -> tuple[list[Candidate], tuple[str, ...]]:
@@ -130,6 +151,13 @@ def _keeps_generators(proof: Proof, candidate: Candidate) -> bool:
 def _confirm(search: _Search, solution: Solution, *, allowed: bool) -> None:
     condition = solution.condition
     allowed = allowed and value_allowed(search.proof.exact, solution.name, solution.value)
+    values = ({solution.name: solution.value},)
+    if not search.confirms:
+        kind = "candidate" if allowed else "excluded"
+        search.values.append(
+            CriticalValue(condition, kind, None, (), zero=solution.equation, values=values)  # type: ignore[arg-type]
+        )
+        return
     try:
         result = rerun(search.proof, {solution.name: solution.value})
     except UndefinedError:
@@ -148,6 +176,7 @@ def _confirm(search: _Search, solution: Solution, *, allowed: bool) -> None:
             result.lost,
             "" if allowed else "outside what the file assumes",
             zero=solution.equation,
+            values=values,
         )
     )
 

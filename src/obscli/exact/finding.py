@@ -83,17 +83,20 @@ class CriticalValue:
 
     ``condition``: readable text such as ``alpha_w = alpha_omega`` or ``f_E = f_N = 0``.
     ``kind``: confirmed (rank is lower there, proved), excluded (proved, but outside ``assume``),
-    undefined (A or H do not exist there), undecided (candidate that could not be decided; reason says why).
-    ``zero``: an expression that vanishes exactly there, where there is one.
+    undefined (A or H do not exist there), undecided (candidate that could not be decided; reason says why),
+    candidate (nobody has asked yet).
+    ``zero``: an expression that vanishes exactly there, where there is one; ``values``: the values of a
+    parameter that it stands for, one mapping each (phi = pi/2 and phi = -pi/2 for cos(phi) = 0).
     """
 
     condition: str
-    kind: Literal["confirmed", "excluded", "undefined", "undecided"]
+    kind: Literal["confirmed", "excluded", "undefined", "undecided", "candidate"]
     rank: int | None
     lost: tuple[Covector, ...]
     reason: str = ""
     functions: bool = False
     zero: Expression | None = None
+    values: tuple[Mapping[str, Expression], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

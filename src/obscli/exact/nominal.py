@@ -74,6 +74,11 @@ def _because(proof: Proof, rank: int, critical: CriticalSearch | None) -> tuple[
     return _fewest_values(proof, rank)
 
 
+def vanishes_at_nominal(system: System, zero: Expression) -> bool:
+    """Whether an expression in the parameters of a system is zero at their nominal values."""
+    return _vanishes(at_nominal(system), zero)
+
+
 def _vanishes(nominal: Specialisation, zero: Expression) -> bool:
     expression = nominal.expression(zero)
     try:

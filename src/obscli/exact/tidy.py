@@ -31,7 +31,9 @@ def merge_opposite_angles(values: Sequence[CriticalValue]) -> list[CriticalValue
             other = known.get(f"{name} = {pair[1 - pair.index(text)]}")
             if other is not None and (other.kind, other.rank) == (value.kind, value.rank):
                 condition = f"{function}({name}) = 0"
-                merged[condition] = replace(value, condition=condition, zero=Apply(function, Symbol(name)))
+                both = (*other.values, *value.values)
+                zero = Apply(function, Symbol(name))
+                merged[condition] = replace(value, condition=condition, zero=zero, values=both)
                 break
         else:
             merged[value.condition] = value
