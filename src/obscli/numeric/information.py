@@ -1,0 +1,185 @@
+"""The information filter in square-root form: what measurements with noise tell of the state, in time.
+
+S with Sᵀ S = P⁻¹ is carried from panel to panel as the square root of the Gramian is, the outputs in units
+of their noise; driving noise enters at the edges of the panels, half of each panel's at either end. There
+x⁺ = x⁻ + L w, w ~ N(0, I), L Lᵀ = h G Q Gᵀ, and w is eliminated:
+
+    ( I      0 )        ( *  * )
+    ( −S L   S )  = Q'  ( 0  S⁺)
+
+No prior is needed (S may start as zero), and constant states without a prior stay without information until
+something is measured. Panels are halved until the result stands.
+
+References
+----------
+G. J. Bierman, Factorization Methods for Discrete Sequential Estimation (1977), ch. V, VI.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from obscli.numeric.errors import NotComputableError
+from obscli.numeric.noise import NoiseModel
+from obscli.numeric.program import Array, Counts
+from obscli.numeric.rates import rates_of
+from obscli.numeric.settings import Effort
+from obscli.numeric.transition import NODES, Panels, edges_of, longest_step, panels
+
+
+#: Step error of the transition; relative change of the information that halving the panels may make.
+STEP_ERROR: Final = 1e-11
+STANDS: Final = 5e-3
+
+#: With driving noise: panels to begin with, how often they are halved, and how many are made at the most.
+_FEWEST: Final = 60
+_HALVINGS: Final = 6
+_MOST: Final = 20_000
+
+#: Rows are triangularised when they are more than so many per state.
+_GATHERED: Final = 3
+
+_PROBES: Final = 18
+_ZERO: Final = 1e-12
+_SMALLEST: Final = 1e-8
+
+
+def information(noise: NoiseModel, start: float, instants: Array, kept: Counts, priors: Array) -> Array:
+    """Return roots of the information on some states at instants, the others unknown, shape (N, c, c).
+
+    Parameters
+    ----------
+    noise : of the system; the states' prior is not taken from it
+    start, instants : t0, and t_i in order, shape (N,)
+    kept : indices of the states kept, shape (c,)
+    priors : rows of information at t0, shape (k, n)
+
+    Raises
+    ------
+    NotComputableError
+        where the system cannot be integrated, or the information overflows
+    """
+    rates = rates_of(noise.system, np.linspace(start, instants[-1], _PROBES)[1:-1])
+    longest = longest_step(rates)
+    if noise.drive is None:
+        return _marginal(_carried(noise, edges_of(start, instants, longest, _MOST), instants, priors), kept)
+    longest = min(longest, float(instants[-1] - start) / _FEWEST)
+    found: list[Array] = []
+    for halving in range(_HALVINGS):
+        edges = edges_of(start, instants, longest / 2**halving, _MOST)
+        found.append(_marginal(_carried(noise, edges, instants, priors), kept))
+        if halving and _stands(found[-2][-1], found[-1][-1]):
+            return found[-1]
+    raise NotComputableError("the driving noise is not resolved: give a shorter interval")
+
+
+def _carried(noise: NoiseModel, edges: Array, instants: Array, priors: Array) -> Array:
+    """Return S at the instants, shape (N, n, n)."""
+    system = noise.system
+    chain = _Chain(system.moving, priors)
+    found: list[Array] = []
+    last, pending = float(edges[0]), 0.0
+    for piece in panels(system, edges, Effort(STEP_ERROR, _MOST)):
+        rows = _whitened(piece, noise.whitening)
+        at = np.append(last, piece.ends)
+        driving = None if noise.drive is None else noise.driving(at)
+        for k, half in enumerate(np.diff(at) / 2):
+            if driving is not None:
+                chain.drive(driving[k] * np.sqrt(pending + half))
+            chain.advance(piece.transition[k], rows[k])
+            pending = half
+            if at[k + 1] == instants[len(found)]:
+                found.append(chain.snapshot(None if driving is None else driving[k + 1] * np.sqrt(half)))
+        last = float(at[-1])
+    states = np.array(found)
+    if not np.isfinite(states).all():
+        raise NotComputableError("the information overflows: a state decays too far; give a shorter interval")
+    return states
+
+
+def _whitened(piece: Panels, whitening: Array) -> Array:
+    """Return the rows of the outputs in units of their noise."""
+    k, rows, n = piece.rows.shape
+    m = rows // NODES
+    whitened: Array = (whitening @ piece.rows.reshape(k, NODES, m, n)).reshape(k, rows, n)
+    return whitened
+
+
+class _Chain:
+    """S at the end of the last panel, as rows that are triangularised from time to time."""
+
+    def __init__(self, moving: Array, priors: Array) -> None:
+        self._rows = priors
+        self._moving = moving
+        self._whole = np.eye(priors.shape[1])
+
+    def advance(self, transition: Array, rows: Array) -> None:
+        """Carry the rows to the end of a panel and take in those measured on it."""
+        self._whole[self._moving] = transition
+        self._rows = np.concatenate([self._rows @ self._whole, rows])
+        if len(self._rows) > _GATHERED * self._rows.shape[1]:
+            self._rows = _triangle(self._rows)
+
+    def drive(self, L: Array) -> None:
+        """Let driving noise with covariance L Lᵀ act."""
+        self._rows = _driven(self._rows, L)
+
+    def snapshot(self, L: Array | None) -> Array:
+        """Return S, shape (n, n), with the driving noise still to come at this instant."""
+        n = self._rows.shape[1]
+        self._rows = _triangle(self._rows)
+        rows = self._rows if L is None else _driven(self._rows, L)
+        root = np.zeros((n, n))
+        root[: len(rows)] = rows
+        return root
+
+
+def _driven(rows: Array, L: Array) -> Array:
+    n, d = L.shape
+    joint = np.zeros((d + len(rows), d + n))
+    joint[:d, :d] = np.eye(d)
+    joint[d:, :d], joint[d:, d:] = -(rows @ L), rows
+    return _triangle(joint)[d:, d:]
+
+
+def _triangle(rows: Array) -> Array:
+    if not len(rows) or not np.isfinite(rows).all():
+        return rows
+    triangle: Array = np.linalg.qr(rows, mode="r")  # type: ignore[assignment]  # no QRResult in this mode
+    return triangle
+
+
+def _marginal(roots: Array, kept: Counts) -> Array:
+    """Return the information on the states kept, the others eliminated, shape (N, c, c).
+
+    What is left of a column after the elimination is nothing where it is below rounding of the column.
+    """
+    n = roots.shape[-1]
+    unknown = np.setdiff1d(np.arange(n), kept)
+    found = np.zeros((len(roots), len(kept), len(kept)))
+    for k, root in enumerate(roots):
+        left, values, _ = np.linalg.svd(root[:, unknown] / _units(root[:, unknown]))
+        r = int((values > _ZERO * values.max(initial=0.0)).sum())
+        units = _units(root[:, kept])
+        _, size, right = np.linalg.svd(left[:, r:].T @ root[:, kept] / units, full_matrices=False)
+        c = int((size > _ZERO).sum())
+        found[k, :c] = size[:c, None] * right[:c] * units
+    return found
+
+
+def _units(columns: Array) -> Array:
+    """Return the lengths of columns, 1 where they are zero."""
+    size = np.linalg.norm(columns, axis=0)
+    units: Array = np.where(size > 0, size, 1.0)
+    return units
+
+
+def _stands(before: Array, after: Array) -> bool:
+    """Whether two roots of information agree in all directions that matter."""
+    units = _units(after)
+    coarse = np.linalg.svd(before / units, compute_uv=False)
+    fine = np.linalg.svd(after / units, compute_uv=False)
+    matters = fine > _SMALLEST * fine.max(initial=0.0)
+    return bool((np.abs(coarse - fine)[matters] <= STANDS * fine[matters]).all())

@@ -1,0 +1,159 @@
+"""``noise`` of a system in numbers: whitening of the outputs, driving noise, information in the prior.
+
+    E v vᵀ = R δ,   E w wᵀ = Q δ,   E x₀ x₀ᵀ = P₀
+
+A covariance R per sample, one every ``step``, is taken as the density R · step: what a filter that takes the
+samples as they come makes of them, as long as little changes from one sample to the next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from obscli.model.expression import Expression, is_zero, symbols
+from obscli.model.system import Matrix, Noise, System
+from obscli.numeric.errors import NotComputableError
+from obscli.numeric.numeric_system import NumericSystem, constants_of
+from obscli.numeric.program import Array, Counts, Program, constant_value
+
+
+@dataclass(frozen=True, eq=False)
+class NoiseModel:
+    """The noise of one system.
+
+    Parameters
+    ----------
+    whitening : L⁻¹ with L Lᵀ = R as a density, shape (m, m): rows of L⁻¹ H count in units of the noise
+    drive : Q^(1/2) in the order of G's columns, or of the states, shape (d, d); None: nothing drives
+    P0 : initial covariance, shape (n, n); zeros for states without a prior
+    """
+
+    system: NumericSystem
+    whitening: Array
+    drive: Array | None
+    P0: Array
+
+    def prior(self, states: Counts | None = None) -> Array:
+        """Return rows U with Uᵀ U = P₀⁻¹ on those of some states that have a prior, shape (k, n)."""
+        among = np.arange(len(self.P0)) if states is None else states
+        given = among[np.diag(self.P0)[among] > 0]
+        rows = np.zeros((len(given), len(self.P0)))
+        if len(given):
+            rows[:, given] = np.linalg.inv(_root(self.P0[np.ix_(given, given)], "P0"))
+        return rows
+
+    def driving(self, t: Array) -> Array:
+        """Return G(t) Q^(1/2) at instants, shape (k, n, d)."""
+        assert self.drive is not None
+        G = self.system.system.G
+        noise = self.system.system.noise
+        if noise is None or noise.driven == "states" or G is None:
+            return np.broadcast_to(self.drive, (len(t), *self.drive.shape))
+        found = Program(list(G.entries.values())).run(self.system.values(t, {}))
+        matrix = np.zeros((len(t), G.rows, G.columns))
+        for (i, j), value in zip(G.entries, found, strict=True):
+            matrix[:, i, j] = value
+        driven: Array = matrix @ self.drive
+        return driven
+
+
+def noise_model(numeric: NumericSystem, still: Sequence[str] = ()) -> NoiseModel:
+    """Return the noise of a system in numbers.
+
+    Parameters
+    ----------
+    still : states that are taken as constant, whatever Q says of them
+
+    Raises
+    ------
+    NotComputableError
+        where there is no R for some output, or a matrix is not positive definite; the text says what to give
+    """
+    system = numeric.system
+    noise = system.noise
+    if noise is None:
+        raise NotComputableError("the file has no `noise`: give R, and P0 or P0_std where there is a prior")
+    constants = constants_of(system)
+    R = _matrix(noise.R, "R", constants)
+    if R is None:
+        raise NotComputableError("`noise` has no R: the density of the noise of the outputs")
+    missing = [one.name for k, one in enumerate(system.outputs) if R[k, k] == 0]
+    if missing:
+        raise NotComputableError(f"`noise` gives no R, or zero, for {', '.join(missing)}")
+    if noise.step is not None:
+        R = R * _positive(noise.step, "step", constants)
+    whitening: Array = np.asarray(np.linalg.inv(_root(R, "R")), dtype=float)
+    found = NoiseModel(
+        numeric, whitening, _drive(system, noise, constants, still), _prior(system, noise, constants)
+    )
+    found.prior()  # positive definite, or refused here
+    return found
+
+
+def _drive(system: System, noise: Noise, constants: dict[str, float], still: Sequence[str]) -> Array | None:
+    Q = _matrix(noise.Q, "Q", constants)
+    if Q is None:
+        return None
+    if noise.driven == "states":
+        index = [j for j, name in enumerate(system.state_names) if name in set(still)]
+        Q[index], Q[:, index] = 0.0, 0.0
+    if not Q.any():
+        return None
+    values, vectors = np.linalg.eigh(Q)
+    if values.min() < -1e-12 * values.max():
+        raise NotComputableError("`noise: Q` is not positive semidefinite")
+    root: Array = vectors * np.sqrt(np.maximum(values, 0.0))
+    return root
+
+
+def _prior(system: System, noise: Noise, constants: dict[str, float]) -> Array:
+    P0 = _matrix(noise.P0, "P0", constants)
+    if P0 is None or noise.P0 is None:
+        return np.zeros((system.n, system.n))
+    given = [i for i, j in noise.P0.entries if i == j]
+    zero = [system.state_names[i] for i in given if P0[i, i] == 0]
+    if zero:
+        hint = "leave such a state out (--without), or give a small value"
+        raise NotComputableError(f"`noise: P0` of {', '.join(zero)} is zero: {hint}")
+    return P0
+
+
+def _matrix(matrix: Matrix | None, name: str, constants: dict[str, float]) -> Array | None:
+    if matrix is None:
+        return None
+    found = np.zeros((matrix.rows, matrix.columns))
+    for (i, j), entry in matrix.entries.items():
+        if not is_zero(entry):
+            found[i, j] = _number(entry, name, constants)
+    if not np.allclose(found, found.T, rtol=1e-9, atol=0):
+        raise NotComputableError(f"`noise: {name}` is not symmetric")
+    return found
+
+
+def _number(entry: Expression, name: str, constants: dict[str, float]) -> float:
+    unknown = symbols(entry) - constants.keys()
+    if unknown:
+        words = f"`noise: {name}` depends on {', '.join(sorted(unknown))}"
+        raise NotComputableError(f"{words}: only constants with values are taken")
+    value = constant_value(entry, constants)
+    if not np.isfinite(value):
+        raise NotComputableError(f"`noise: {name}` is not finite")
+    return value
+
+
+def _positive(entry: Expression, name: str, constants: dict[str, float]) -> float:
+    value = _number(entry, name, constants)
+    if value <= 0:
+        raise NotComputableError(f"`noise: {name}` must be positive")
+    return value
+
+
+def _root(matrix: Array, name: str) -> Array:
+    try:
+        root: Array = np.asarray(np.linalg.cholesky(matrix), dtype=float)
+    except np.linalg.LinAlgError:
+        raise NotComputableError(f"`noise: {name}` is not positive definite") from None
+    return root
