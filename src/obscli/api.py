@@ -11,16 +11,28 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from obscli.core.report import Report
 from obscli.model.system import Model
 from obscli.pipelines import analyze as analyze_pipeline
+from obscli.pipelines import calibrate as calibrate_pipeline
 from obscli.pipelines import verify_report
 from obscli.pipelines.reading import load as load_changed
-from obscli.pipelines.request import AnalyzeRequest, Changes, NumericRequest, Progress, silent
+from obscli.pipelines.request import (
+    AnalyzeRequest,
+    CalibrateRequest,
+    Changes,
+    NumericRequest,
+    PlanRequest,
+    Progress,
+    silent,
+)
 from obscli.render.format import Surface
 
+
+if TYPE_CHECKING:
+    from obscli.pipelines.plan import PlanReport
 
 Source: TypeAlias = str | Path | Model
 
@@ -44,6 +56,11 @@ class Shown:
 @dataclass(frozen=True, slots=True, eq=False)
 class AnalyzeReport(analyze_pipeline.AnalyzeReport, Shown):
     """What ``analyze`` found: ``results``, one a stage, each with ``finding``; ``document()``; ``data()``."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CalibrateReport(calibrate_pipeline.CalibrateReport, Shown):
+    """What ``calibrate`` found: ``results`` with ``exact``, ``accuracy``; ``document()``; ``data()``."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,6 +121,55 @@ def analyze(
             unfixed = load_changed(model, Changes(changes.settings, {}, changes.outputs, changes.without))
         found = analyze_pipeline.analyze(changed, request, changes, unfixed, progress)
     return AnalyzeReport(found.results, found.changes)
+
+
+def calibrate(
+    model: Source,
+    *,
+    request: CalibrateRequest = CalibrateRequest(),  # noqa: B008 - frozen and empty
+    changes: Changes = Changes(),  # noqa: B008 - frozen and empty
+    progress: Progress = silent,
+) -> CalibrateReport:
+    """Find what the runs of a model's experiment determine of the states they share, and how well.
+
+    Parameters
+    ----------
+    model : a model file, or a model read before (then ``changes`` must be empty)
+    request : which runs, whether to search for critical values, the options of the Gramians
+    changes : changes to make while reading
+    progress : told what is being done
+    """
+    found = calibrate_pipeline.calibrate(_read(model, changes), request, changes, progress)
+    return CalibrateReport(found.results, found.changes)
+
+
+def plan(
+    model: Source,
+    *,
+    request: PlanRequest = PlanRequest(),  # noqa: B008 - frozen and empty
+    changes: Changes = Changes(),  # noqa: B008 - frozen and empty
+    progress: Progress = silent,
+) -> PlanReport:
+    """Choose among the candidate runs of a model: the smallest sets, ranked, and how long each run.
+
+    Parameters
+    ----------
+    model : a model file, or a model read before (then ``changes`` must be empty)
+    request : which candidates
+    changes : changes to make while reading
+    progress : told what is being done
+    """
+    from obscli.pipelines import plan as plan_pipeline  # noqa: PLC0415 - floating point only where it is used
+
+    return plan_pipeline.plan(_read(model, changes), request, changes, progress)
+
+
+def _read(model: Source, changes: Changes) -> Model:
+    if not isinstance(model, Model):
+        return load_changed(model, changes)
+    if changes != Changes():
+        raise TypeError("changes are made while reading: give the path of the model")
+    return model
 
 
 def verify(

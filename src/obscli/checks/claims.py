@@ -70,7 +70,7 @@ def check_claims(
         key = where_text(claim.at)
         if key not in grounds:
             grounds[key] = _ground(system, analysis, claim, look)
-        results += _check_claim(claim, grounds[key])
+        results += check_claim(claim, grounds[key])
     return tuple(results)
 
 
@@ -107,7 +107,8 @@ def _witness(system: System, analysis: Analysis | Undecided, look: Look | None) 
         return f"no Gramian: {error}"
 
 
-def _check_claim(claim: Claim, ground: Ground) -> Iterator[CheckResult]:
+def check_claim(claim: Claim, ground: Ground) -> Iterator[CheckResult]:
+    """Check every part of one claim against its ground."""
     suffix = f" at {where}" if (where := where_text(claim.at)) else ""
     try:
         judge = (
@@ -119,7 +120,7 @@ def _check_claim(claim: Claim, ground: Ground) -> Iterator[CheckResult]:
         parts = _parts(claim)
         if len(parts) > 1:
             for part in parts:  # what cannot be read leaves the rest to be checked
-                yield from _check_claim(part, ground)
+                yield from check_claim(part, ground)
         else:
             yield CheckResult(f"claim{suffix}", "undecided", str(error), claim.place)
         return

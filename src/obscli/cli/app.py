@@ -7,7 +7,9 @@ from typing import Annotated
 import typer
 
 from obscli.cli.analyze import analyze
+from obscli.cli.calibrate import calibrate
 from obscli.cli.model import model_app
+from obscli.cli.plan import plan
 from obscli.cli.verify import verify
 
 
@@ -25,6 +27,8 @@ app = typer.Typer(
 )
 app.command("analyze")(analyze)
 app.command("verify")(verify)
+app.command("calibrate")(calibrate)
+app.command("plan")(plan)
 app.add_typer(model_app, name="model")
 
 

@@ -34,6 +34,10 @@ def _known_pipeline(given: str | None) -> str | None:
     return None if given is None else _one_of(ONLY, given)
 
 
+def _known_part(given: str | None) -> str | None:
+    return None if given is None else _one_of(("analytic",), given)
+
+
 def _known_method(given: str) -> str:
     return _one_of(METHODS, given)
 
@@ -113,6 +117,16 @@ OnlyOption: TypeAlias = Annotated[
         callback=_known_pipeline,
         metavar="|".join(ONLY),
         help="Exact algebra alone, the Gramian alone (no algebra), or only how the two compare.",
+    ),
+]
+RunOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option("--run", metavar="NAME", help="Only this run (repeatable). Default: every run."),
+]
+AnalyticOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--only", callback=_known_part, metavar="analytic", help="Exact algebra alone, without Gramians."
     ),
 ]
 FromOption: TypeAlias = Annotated[

@@ -39,3 +39,13 @@ def json_number(value: float | None) -> float | str | None:
 def counted(count: int, noun: str) -> str:
     """Return ``1 state``, ``2 states``."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def bar(done: int, of: int, width: int = 20) -> str:
+    """Return how far something is as a bar with its count.
+
+    >>> bar(5, 20)
+    '━━━━━─────────────── 5 of 20'
+    """
+    filled = round(width * min(done / max(of, 1), 1.0))
+    return f"{'━' * filled}{'─' * (width - filled)} {done} of {of}"

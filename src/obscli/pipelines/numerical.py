@@ -74,11 +74,13 @@ class Looks:
     ----------
     model : whose systems they are
     request : how it is to be found
+    progress : told what is being done
     """
 
-    def __init__(self, model: Model, request: NumericRequest) -> None:
+    def __init__(self, model: Model, request: NumericRequest, progress: Progress = silent) -> None:
         self._model = model
         self._request = request
+        self._progress = progress
         self._found: list[tuple[System, Numeric | NotComputed]] = []
 
     def numeric(self, system: System) -> Numeric | NotComputed:
@@ -86,7 +88,11 @@ class Looks:
         for known, found in self._found:
             if known is system:
                 return found
-        self._found.append((system, numeric_of(self._model, system, self._request)))
+        name = system.stage or self._model.name
+        numeric = numeric_of(
+            self._model, system, self._request, lambda step: self._progress(f"{name}: {step}")
+        )
+        self._found.append((system, numeric))
         return self._found[-1][1]
 
     def __call__(self, system: System) -> Numeric:

@@ -38,7 +38,7 @@ def chosen_systems(model: Model, stages: tuple[str, ...]) -> tuple[System, ...]:
     known = [system.stage for system in model.systems if system.stage is not None]
     for stage in stages:
         if stage not in known:
-            raise RequestError(_unknown(f"{model.file}: no stage", stage, known))
+            raise RequestError(unknown(f"{model.file}: no stage", stage, known))
     return tuple(system for system in model.systems if not stages or system.stage in stages)
 
 
@@ -48,12 +48,13 @@ def expanded_states(system: System, names: tuple[str, ...]) -> tuple[str, ...]:
     for name in names:
         own = [state.name for state in system.states if name in (state.name, state.vector)]
         if not own:
-            raise RequestError(_unknown("no state", name, list(system.state_names)))
+            raise RequestError(unknown("no state", name, list(system.state_names)))
         expanded += own
     return tuple(dict.fromkeys(expanded))
 
 
-def _unknown(what: str, name: str, known: list[str]) -> str:
+def unknown(what: str, name: str, known: list[str]) -> str:
+    """Return the message for a name that is not among those known."""
     import difflib  # noqa: PLC0415 - only an error pays for it
 
     near = difflib.get_close_matches(name, known, n=1)

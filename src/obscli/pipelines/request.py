@@ -81,5 +81,27 @@ class AnalyzeRequest:
     curves: bool = False
 
 
+#: The parts of a calibration that can be asked for alone.
+CalibrationPart: TypeAlias = Literal["analytic"]
+
+
+@dataclass(frozen=True, slots=True)
+class CalibrateRequest:
+    """Which runs (empty: all) to analyse and how: search for critical values, one part only, the Gramian."""
+
+    runs: tuple[str, ...] = ()
+    critical: bool = True
+    only: CalibrationPart | None = None
+    numeric: NumericRequest = NumericRequest()
+
+
+@dataclass(frozen=True, slots=True)
+class PlanRequest:
+    """Which candidates (empty: all) to choose from; the options of the Gramians that check the choice."""
+
+    runs: tuple[str, ...] = ()
+    numeric: NumericRequest = NumericRequest()
+
+
 def silent(_: str) -> None:
     """Progress that nobody watches."""

@@ -1,0 +1,83 @@
+"""``obscli calibrate``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, cast
+
+import typer
+
+from obscli.cli.options import (
+    AnalyticOption,
+    DetailsOption,
+    FixOption,
+    FormatOption,
+    NoCriticalOption,
+    OutputOption,
+    OutputsOption,
+    PlotOption,
+    RtolOption,
+    RunOption,
+    SamplesOption,
+    ScalingOption,
+    SetOption,
+    StrictOption,
+    WithoutOption,
+)
+from obscli.cli.texts import names, pairs
+
+
+if TYPE_CHECKING:
+    from obscli.pipelines.request import CalibrationPart
+
+
+def calibrate(  # noqa: PLR0913 - one parameter an option
+    model: Annotated[
+        Path, typer.Argument(metavar="MODEL", help="The model file (YAML).", show_default=False)
+    ],
+    *,
+    form: FormatOption = "terminal",
+    output: OutputOption = None,
+    run: RunOption = None,
+    settings: SetOption = None,
+    fix: FixOption = None,
+    outputs: OutputsOption = None,
+    without: WithoutOption = None,
+    no_critical: NoCriticalOption = False,
+    details: DetailsOption = False,
+    only: AnalyticOption = None,
+    samples: SamplesOption = None,
+    rtol: RtolOption = None,
+    scaling: ScalingOption = None,
+    plot: PlotOption = None,
+    strict: StrictOption = False,
+) -> int:
+    """Find what the runs of the file's `experiment` determine of the states they share, and how well."""
+    from obscli.api import calibrate as run_pipeline  # noqa: PLC0415 - heavy imports inside command bodies
+    from obscli.cli.exit_codes import ExitCode  # noqa: PLC0415
+    from obscli.cli.figures import draw  # noqa: PLC0415
+    from obscli.cli.numeric import forbid_numeric, numeric_request  # noqa: PLC0415
+    from obscli.cli.output import deliver  # noqa: PLC0415
+    from obscli.cli.progress import ProgressLine  # noqa: PLC0415
+    from obscli.cli.refusals import refusals  # noqa: PLC0415
+    from obscli.pipelines.request import CalibrateRequest, Changes  # noqa: PLC0415
+
+    numeric = numeric_request(
+        start=None, stop=None, samples=samples, times=None, method="square-root", rtol=rtol, scaling=scaling
+    )
+    if only == "analytic":
+        forbid_numeric(numeric, None, "--only analytic")
+    changes = Changes(pairs("--set", settings), pairs("--fix", fix), names(outputs), names(without))
+    request = CalibrateRequest(
+        runs=tuple(run or ()),
+        critical=not no_critical,
+        only=cast("CalibrationPart | None", only),
+        numeric=numeric,
+    )
+    with refusals(), ProgressLine() as progress:
+        report = run_pipeline(model, request=request, changes=changes, progress=progress)
+        draw(report, plot, progress)
+    deliver(report, form, output, details=details, figures=True)
+    if report.failed:
+        return ExitCode.FAILED
+    return ExitCode.UNDECIDED if strict and report.undecided else ExitCode.DONE

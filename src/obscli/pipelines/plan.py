@@ -1,0 +1,133 @@
+"""The work of ``obscli plan``: which of the candidate runs to make, and how long."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from obscli.core.document import Document
+from obscli.core.figure import Figure
+from obscli.core.verification import NotVerified
+from obscli.experiment.accuracy import accuracy
+from obscli.experiment.agreement import verify_together
+from obscli.experiment.informed import Informed, RunInformation
+from obscli.experiment.planning import RankedSet
+from obscli.experiment.planning import plan as choose
+from obscli.experiment.special import at_file
+from obscli.experiment.stacked import proved
+from obscli.experiment.witnessed import witnessed
+from obscli.model.expression import Expression
+from obscli.model.system import Model, Run
+from obscli.numeric.errors import NotComputableError
+from obscli.numeric.numeric_system import constants_of
+from obscli.numeric.program import constant_value
+from obscli.pipelines.calibrate import chosen_runs, experiment_of
+from obscli.pipelines.describe.plan import plan_document
+from obscli.pipelines.describe.plan_figures import plan_figures
+from obscli.pipelines.numerical import Looks, settings_of
+from obscli.pipelines.plan_data import plan_data
+from obscli.pipelines.plan_result import PlanResult
+from obscli.pipelines.request import Changes, PlanRequest, Progress, RequestError, silent
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanReport:
+    """The plan for one model, and the changes under which it was read."""
+
+    results: tuple[PlanResult, ...]
+    changes: Changes
+
+    @property
+    def failed(self) -> int:
+        """How many plans are contradicted by the Gramians, or do not meet what is required."""
+        return sum(result.failed for result in self.results)
+
+    @property
+    def undecided(self) -> int:
+        """How many plans stayed unchecked."""
+        return sum(result.undecided for result in self.results)
+
+    def document(self) -> Document:
+        """Return the report for a reader."""
+        return plan_document(self.results)
+
+    def figures(self) -> Iterable[Figure]:
+        """Return the figures: what each candidate determines, deviations over the plan."""
+        return plan_figures(self.results)
+
+    def data(self) -> Mapping[str, object]:
+        """Return the report for a program."""
+        return plan_data(self.results, self.changes)
+
+
+def plan(
+    model: Model,
+    request: PlanRequest = PlanRequest(),  # noqa: B008 - frozen and empty
+    changes: Changes = Changes(),  # noqa: B008 - frozen and empty
+    progress: Progress = silent,
+) -> PlanReport:
+    """Choose among the candidate runs of a model.
+
+    Parameters
+    ----------
+    model : the model as it is to be analysed, all changes made
+    request : which candidates
+    changes : the changes made, for the record
+    progress : told what is being done
+
+    Raises
+    ------
+    RequestError
+        where there is nothing to choose from
+    """
+    experiment, is_default = experiment_of(model)
+    wanted = experiment.plan
+    candidates = experiment.runs
+    if wanted is not None and wanted.candidates is not None:
+        candidates = wanted.candidates
+    runs = chosen_runs(model, candidates, request.runs)
+    names = {run.name for run in runs}
+    forbidden = [one for one in (wanted.forbidden if wanted else ()) if names.issuperset(one)]
+    setup = _setup_time(wanted.setup_time if wanted else None, runs[0])
+    try:
+        found = choose(runs, experiment.shared, forbidden, setup, model.require, progress)
+    except NotComputableError as error:
+        raise RequestError(f"{model.file}: {error}") from error
+    result = PlanResult(model, experiment, found, is_default=is_default)
+    return PlanReport((_checked(result, request, progress),), changes)
+
+
+def _setup_time(given: Expression | None, run: Run) -> float:
+    return 0.0 if given is None else constant_value(given, constants_of(run.system))
+
+
+def _checked(result: PlanResult, request: PlanRequest, progress: Progress) -> PlanResult:
+    """Return the plan with the accuracy it reaches, and held against the Gramians."""
+    found = result.plan
+    chosen = found.chosen
+    if chosen is None:
+        return result
+    runs = [found.runs[k] for k in dict.fromkeys(chosen.runs)]
+    progress("the plan against the Gramians")
+    stack = proved(runs, found.shared)
+    look = Looks(result.model, request.numeric, progress)
+    try:
+        seen = witnessed(runs, stack.system, look.numeric, settings_of(stack.system, request.numeric))
+        verification = verify_together(stack, at_file(stack, found.shared, None), seen)
+    except NotComputableError as error:
+        verification = NotVerified(str(error))
+    result = replace(result, chosen=stack, verification=verification)
+    if found.informed is None:
+        return result
+    return replace(result, accuracy=accuracy(_of(found.informed, chosen)))
+
+
+def _of(told: Informed, chosen: RankedSet) -> Informed:
+    """Return what the chosen runs tell, each no longer than it has to be."""
+    ends = None if chosen.shortest is None else chosen.shortest.durations
+    runs = []
+    for place, k in enumerate(chosen.runs):
+        one = told.runs[k]
+        count = len(one.elapsed) if ends is None else int((one.elapsed <= ends[place] * (1 + 1e-9)).sum())
+        runs.append(RunInformation(one.run, one.elapsed[:count], one.roots[:count]))
+    return replace(told, runs=tuple(runs))
