@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias
+from typing import Final, Literal, TypeAlias
 
 from obscli.exact.advice import advise
 from obscli.exact.basis import preferred_basis, sparse_basis
@@ -27,6 +27,12 @@ from obscli.model.system import Covector, Quantity, System
 
 
 Progress: TypeAlias = Callable[[str], None]
+
+
+#: Why critical values are not searched where the rank is proved without elimination.
+TOO_LARGE: Final = (
+    "critical values: the coefficients grew too large for the elimination that gives candidates"
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,6 +119,8 @@ def _describe(proof: Proof, options: Options, progress: Progress) -> Analysis:
 
 
 def _critical(proof: Proof, options: Options, progress: Progress) -> CriticalSearch:
+    if not proof.flag.eliminated:
+        return CriticalSearch((), complete=False, not_searched=(TOO_LARGE,), instants=())
     search = search_candidates if options.critical == "candidates" else search_critical_values
     try:
         return search(proof, progress)
@@ -173,7 +181,7 @@ def _varying(proof: Proof) -> tuple[str, ...]:
             argument = proof.restorer.element(exact.interpreter.read(generator.argument))
             found.append(f"sin, cos of {to_text(argument)}")
         else:
-            found.append(to_text(generator.meaning))
+            found.append(to_text(generator.meaning).removeprefix("-"))  # a root of an invariant: f = -√…
     return tuple(found)
 
 

@@ -34,12 +34,14 @@ class Flag:
     """The reduced echelon form of the row space of L and how it came about.
 
     ``rows``: pivot column → row, each zero in the other pivot columns. ``before_last``: the echelon form of
-    the rows below the saturation order. ``divisors``: every polynomial divided by.
+    the rows below the saturation order. ``divisors``: every polynomial divided by. ``eliminated``: whether
+    that was done at all, or the row space is known to be everything.
     """
 
     rows: dict[int, PolyRow]
     before_last: dict[int, PolyRow]
     divisors: tuple[Polynomial, ...]
+    eliminated: bool = True
 
 
 def eliminate(exact: ExactSystem, saturation: Saturation, columns: Sequence[int]) -> Flag:
@@ -50,6 +52,12 @@ def eliminate(exact: ExactSystem, saturation: Saturation, columns: Sequence[int]
     UndecidedError : the coefficients grow beyond what exact algebra can carry
     """
     return _Elimination(exact, columns).run(saturation)
+
+
+def everything(exact: ExactSystem) -> Flag:
+    """Return the reduced echelon form of a row space of full rank: every state by itself."""
+    one = exact.field.one_polynomial
+    return Flag({j: {j: one} for j in range(exact.n)}, {}, (), eliminated=False)
 
 
 class _Elimination:

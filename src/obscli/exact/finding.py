@@ -57,7 +57,8 @@ class UpperBound:
     """rank L ≤ r: H N = 0 and N' − A N = N X exactly, N of full column rank n − r.
 
     ``kernel``: columns of N; ``multiplier``: X by columns. ``delay``: a direction w with L_k w = 0 for all
-    k below the saturation order and not at it (so the order is not smaller); None where the order is 0.
+    k below the saturation order and not at it (so the order is not smaller); None where the order is 0, or
+    where there are fewer rows below it than the rank.
     """
 
     kernel: tuple[Covector, ...]

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from obscli.exact.echelon import PolyRow
-from obscli.exact.elimination import Flag, eliminate
-from obscli.exact.errors import JetOverflowError
+from obscli.exact.elimination import Flag, eliminate, everything
+from obscli.exact.errors import JetOverflowError, UndecidedError
 from obscli.exact.exact_system import ExactSystem, more_jets, read_system
 from obscli.exact.field import Element
 from obscli.exact.finding import Certificate, LowerBound, UpperBound
@@ -98,13 +98,27 @@ def prove_read(exact: ExactSystem, columns: Sequence[int], extra: Sequence[Expre
 
 def _prove(exact: ExactSystem, columns: Sequence[int]) -> Proof:
     saturation = saturate(exact)
-    flag = eliminate(exact, saturation, columns)
+    flag = _flag(exact, saturation, columns)
     kernel = invariant_kernel(exact, kernel_columns(exact.field, flag.rows, columns))
     lower = prove_lower_bound(exact.system, exact.interpreter, saturation.rows, list(flag.rows))
     proof = Proof(exact, saturation, flag, kernel, lower, Restorer(exact.interpreter))
     # the rank is proved; that every coefficient printed differs from zero is proved here
     require_nonzero(exact.interpreter, [e for row in proof.echelon for e in row.values()])
     return proof
+
+
+def _flag(exact: ExactSystem, saturation: Saturation, columns: Sequence[int]) -> Flag:
+    """Return the reduced echelon form; of full rank, it is known without the elimination.
+
+    That is taken where the elimination is too much, and the order needs no proof: fewer derivatives would
+    give fewer rows than states.
+    """
+    try:
+        return eliminate(exact, saturation, columns)
+    except UndecidedError:
+        if saturation.rank < exact.n or saturation.order * len(exact.H) >= exact.n:
+            raise
+        return everything(exact)
 
 
 def certificate(proof: Proof) -> Certificate:
@@ -143,8 +157,11 @@ def _scale(proof: Proof, free: int, printed: Expression) -> Element:
 
 
 def _delay(proof: Proof) -> Covector | None:
-    """Return a direction that the rows below the saturation order do not see, and the order does."""
-    if proof.order == 0:
+    """Return a direction that the rows below the saturation order do not see, and the order does.
+
+    None where no proof of the order is needed: there are too few rows below it.
+    """
+    if proof.order == 0 or not proof.flag.eliminated:
         return None
     earlier = proof.flag.before_last
     columns = kernel_columns(proof.exact.field, earlier, range(proof.exact.n))

@@ -121,4 +121,7 @@ def _notes(informed: Informed) -> tuple[str, ...]:
     if informed.beside:
         names = ", ".join(informed.beside)
         notes.append(f"`require` for {names} is not judged here: it starts anew in every run")
+    if informed.other_priors:
+        names = ", ".join(informed.other_priors)
+        notes.append(f"the runs give different priors for {names}: that of the first run counts")
     return tuple(notes)

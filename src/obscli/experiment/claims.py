@@ -80,7 +80,7 @@ def _about_shared(claim: Claim, shared: Sequence[str]) -> tuple[Claim, list[Chec
 def _ground(claim: Claim, which: Sequence[str], subject: Subject) -> Ground:
     named = [run for run in subject.known if run.name in which]
     chosen = named or subject.runs
-    runs, _ = told_apart(chosen)
+    runs, own = told_apart(chosen)
     generic = proved(runs, subject.shared)
     if claim.at is None:
         special = Specialisation(generic.system, {})
@@ -88,8 +88,9 @@ def _ground(claim: Claim, which: Sequence[str], subject: Subject) -> Ground:
     if claim.at == "nominal":
         there = nominal(generic, subject.shared)
         return Ground(there.finding, at_nominal(generic.system), _witness(there, subject))
-    there = specialised(generic, subject.shared, claim.at)
-    return Ground(there.finding, Specialisation(generic.system, claim.at), _witness(there, subject))
+    values = {**claim.at, **{one.name: claim.at[one.of] for one in own if one.of in claim.at}}
+    there = specialised(generic, subject.shared, values)
+    return Ground(there.finding, Specialisation(generic.system, values), _witness(there, subject))
 
 
 def _witness(stack: Stack, subject: Subject) -> Witness | str:

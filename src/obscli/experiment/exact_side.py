@@ -9,7 +9,7 @@ from obscli.exact.finding import Analysis
 from obscli.experiment.own_symbols import OwnSymbol, told_apart
 from obscli.experiment.special import AtFile, Special, at_file, search
 from obscli.experiment.stacked import Progress, Stack, analysed
-from obscli.model.system import Run
+from obscli.model.system import Run, System
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +40,12 @@ class Exact:
         return self.stack.finding.rank if isinstance(self.stack.finding, Analysis) else None
 
 
-def exactly(runs: Sequence[Run], shared: tuple[str, ...], progress: Progress, *, critical: bool) -> Exact:
-    """Return what algebra says of some runs."""
+def exactly(
+    runs: Sequence[Run], shared: tuple[str, ...], base: System, progress: Progress, *, critical: bool
+) -> Exact:
+    """Return what algebra says of some runs; ``base``: the file's system, for its quantities."""
     apart, own = told_apart(runs)
-    stack = analysed(apart, shared, progress, critical=critical)
+    stack = analysed(apart, shared, progress, critical=critical, base=base)
     special, there = None, AtFile(None, reason="undecided")
     if isinstance(stack.finding, Analysis):
         if critical:

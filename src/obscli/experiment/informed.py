@@ -8,7 +8,7 @@ and no prior of theirs is in it. So information of runs and prior adds up, in an
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -16,12 +16,15 @@ import numpy as np
 
 from obscli.core.number import bar
 from obscli.experiment.stacked import Progress
+from obscli.model.expression import Expression, symbols
+from obscli.model.notation import to_text
 from obscli.model.system import Covector, Requirement, Run, System
 from obscli.numeric.deviation import deviations
+from obscli.numeric.errors import NotComputableError
 from obscli.numeric.horizon import Horizon, Wanted, horizon_of
 from obscli.numeric.information import information
 from obscli.numeric.noise import noise_model
-from obscli.numeric.numeric_system import NumericSystem, constants_of
+from obscli.numeric.numeric_system import NumericSystem, constants_of, missing_values
 from obscli.numeric.program import Array, Counts, constant_value
 
 
@@ -56,6 +59,7 @@ class Informed:
     covectors : shape (len(required), c)
     driven : shared states that `noise: Q` drives, which is left out
     beside : requirements on what the runs do not share
+    other_priors : shared states whose prior is not the same in all runs; that of the first counts
     """
 
     runs: tuple[RunInformation, ...]
@@ -65,11 +69,13 @@ class Informed:
     covectors: Array
     driven: tuple[str, ...]
     beside: tuple[str, ...]
+    other_priors: tuple[str, ...]
 
     def deviation(self, roots: Sequence[Array], *, required: bool = False) -> Array:
         """Return the deviations of all states, or of what is required, given the prior and some roots."""
         forms = self.covectors if required else np.eye(len(self.states))
-        return deviations(np.concatenate([self.prior, *roots]), forms)
+        learned = np.concatenate(roots) if roots else np.zeros((0, len(self.states)))
+        return deviations(self.prior, learned, forms)
 
 
 def informed(
@@ -99,7 +105,7 @@ def informed(
             found[id(run.system)] = _told(run, names)
     model = noise_model(_numeric(runs[0].system)[0], names)
     kept = _indices(runs[0].system, names)
-    required, covectors, beside = _required(runs[0].system, shared, requirements)
+    required, covectors, beside = _required(shared, requirements)
     return Informed(
         tuple(
             RunInformation(run, found[id(run.system)].elapsed, found[id(run.system)].roots) for run in runs
@@ -110,6 +116,7 @@ def informed(
         covectors,
         tuple(name for name in names if any(_is_driven(run.system, name) for run in runs)),
         beside,
+        tuple(name for name in names if len({_prior_text(run.system, name) for run in runs}) > 1),
     )
 
 
@@ -135,6 +142,10 @@ def _indices(system: System, names: Sequence[str]) -> Counts:
     return np.array([place[name] for name in names], dtype=int)
 
 
+def _prior_text(system: System, name: str) -> str:
+    return to_text(system.prior[name]) if name in system.prior else ""
+
+
 def _is_driven(system: System, name: str) -> bool:
     noise = system.noise
     if noise is None or noise.Q is None or noise.driven != "states":
@@ -143,8 +154,23 @@ def _is_driven(system: System, name: str) -> bool:
     return (j, j) in noise.Q.entries and bool(constant_value(noise.Q.entries[j, j], constants_of(system)))
 
 
+def known_value(value: Expression, system: System) -> float:
+    """Return a number in the names of a system.
+
+    Raises
+    ------
+    NotComputableError
+        naming the parameters without a value
+    """
+    constants = constants_of(system)
+    missing = sorted(symbols(value) - constants.keys())
+    if missing:
+        raise NotComputableError(missing_values(missing))
+    return constant_value(value, constants)
+
+
 def _required(
-    first: System, shared: System, requirements: Sequence[Requirement]
+    shared: System, requirements: Sequence[Requirement]
 ) -> tuple[tuple[tuple[str, float], ...], Array, tuple[str, ...]]:
     kept = frozenset(shared.state_names)
     inside = [one for one in requirements if kept.issuperset(one.coefficients)]
@@ -152,6 +178,5 @@ def _required(
     forms: list[Covector] = [one.coefficients for one in inside]
     static = NumericSystem(shared, 0.0, 1.0)
     covectors = static.covectors(forms, np.array([1.0]))[0][0] if forms else np.zeros((0, shared.n))
-    constants: Mapping[str, float] = constants_of(first)
-    values = tuple((one.name, constant_value(one.value, dict(constants))) for one in inside)
+    values = tuple((one.name, known_value(one.value, shared)) for one in inside)
     return values, covectors, beside

@@ -53,6 +53,11 @@ def told_apart(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[OwnSymbol, .
     return tuple(result), tuple(own)
 
 
+def unused_name(name: str, system: System) -> str:
+    """Return a name like the one given that the system does not use."""
+    return _new_name(name, set(_names(system)))
+
+
 def _names(system: System) -> tuple[str, ...]:
     parameters, functions = (one.name for one in system.parameters), (one.name for one in system.functions)
     return (system.time, *system.state_names, *parameters, *functions)

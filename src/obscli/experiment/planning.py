@@ -17,7 +17,7 @@ from obscli.experiment.own_symbols import OwnSymbol, told_apart
 from obscli.experiment.smallest_sets import SmallestSets, smallest_sets
 from obscli.experiment.stacked import Progress, Stack, proved
 from obscli.experiment.suggestions import Suggestion, suggestions
-from obscli.model.system import Requirement, Run
+from obscli.model.system import Requirement, Run, System
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.horizon import Wanted, horizon_of
 
@@ -98,6 +98,7 @@ def plan(
     forbidden: Sequence[Sequence[str]],
     setup_time: float,
     requirements: Sequence[Requirement],
+    base: System,
     progress: Progress,
 ) -> Plan:
     """Find the smallest sets of candidates and rank them.
@@ -106,6 +107,7 @@ def plan(
     ----------
     forbidden : names of candidates of which not all may be chosen
     setup_time : what setting up a run takes, in units of time
+    base : the file's system, for the values of parameters
 
     Raises
     ------
@@ -118,7 +120,7 @@ def plan(
     apart, own = told_apart([run for run in candidates if run.name not in left_out])
     place = {run.name: k for k, run in enumerate(apart)}
     sets = [frozenset(map(place.__getitem__, one)) for one in forbidden if left_out.isdisjoint(one)]
-    stack = _stack(apart, shared, progress)
+    stack = _stack(apart, shared, base, progress)
     rows = RowSets(stack.system, [len(one.rows) for one in stack.runs])
     found = smallest_sets(rows, sets, progress)
     durations = tuple(_duration(run) for run in apart)
@@ -147,11 +149,11 @@ def plan(
     )
 
 
-def _stack(runs: tuple[Run, ...], shared: tuple[str, ...], progress: Progress) -> Stack:
+def _stack(runs: tuple[Run, ...], shared: tuple[str, ...], base: System, progress: Progress) -> Stack:
     def told(k: int, name: str) -> None:
         progress(f"candidates: {bar(k, len(runs))} {name}")
 
-    stack = proved(runs, shared, told)
+    stack = proved(runs, shared, told, base)
     if not isinstance(stack.finding, Analysis):
         raise NotComputableError(f"undecided: {stack.finding.reason}")
     return stack

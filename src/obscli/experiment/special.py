@@ -119,9 +119,18 @@ def specialised(whole: Stack, shared: Sequence[str], values: Mapping[str, Expres
         system = one.run.system
         if id(system) not in known:
             here = {name: value for name, value in values.items() if name in _parameters(system)}
-            known[id(system)] = Specialisation(system, here).system() if here else system
+            known[id(system)] = (
+                _with_names(Specialisation(system, here).system(), here, whole) if here else system
+            )
         runs.append(replace(one.run, system=known[id(system)]))
     return proved(runs, shared)
+
+
+def _with_names(system: System, values: Mapping[str, Expression], whole: Stack) -> System:
+    """Return the system with the parameters that the values put in name, those of other runs too."""
+    named = symbols(*values.values()) - _parameters(system)
+    added = tuple(one for one in whole.system.parameters if one.name in named)
+    return replace(system, parameters=(*system.parameters, *added))
 
 
 def _parameters(system: System) -> frozenset[str]:

@@ -73,7 +73,14 @@ class Stack:
         return tuple(tuple(row for row in one.rows if next(names) in new) for one in self.runs)
 
 
-def analysed(runs: Sequence[Run], shared: Sequence[str], progress: Progress, *, critical: bool) -> Stack:
+def analysed(
+    runs: Sequence[Run],
+    shared: Sequence[str],
+    progress: Progress,
+    *,
+    critical: bool,
+    base: System | None = None,
+) -> Stack:
     """Analyse every run, and what all determine together.
 
     Parameters
@@ -81,6 +88,7 @@ def analysed(runs: Sequence[Run], shared: Sequence[str], progress: Progress, *, 
     runs : with the same states; a parameter has the same meaning in all of them
     shared : the states that they share, constant in all of them
     critical : whether to search for values at which ranks may drop
+    base : the file's system, whose quantities are judged
     """
     kept = frozenset(shared)
 
@@ -94,17 +102,21 @@ def analysed(runs: Sequence[Run], shared: Sequence[str], progress: Progress, *, 
 
     found = _each_once(runs, rows_of)
     progress("all runs together")
-    return stacked(found, shared, Options(critical="candidates" if critical else False))
+    return stacked(found, shared, Options(critical="candidates" if critical else False), base)
 
 
 def proved(
-    runs: Sequence[Run], shared: Sequence[str], told: Callable[[int, str], None] = lambda _k, _name: None
+    runs: Sequence[Run],
+    shared: Sequence[str],
+    told: Callable[[int, str], None] = lambda _k, _name: None,
+    base: System | None = None,
 ) -> Stack:
     """Return only what the runs determine, without a report on each.
 
     Parameters
     ----------
     told : told which run is looked at, counted from 1, and its name
+    base : the file's system, for its quantities and the values of its parameters
     """
     kept = frozenset(shared)
     place = {id(run): k for k, run in enumerate(runs, start=1)}
@@ -114,7 +126,7 @@ def proved(
         rows = rows_without(run.system, [name for name in run.system.state_names if name not in kept])
         return RunRows(run, (), rows.reason) if isinstance(rows, Undecided) else RunRows(run, rows)
 
-    return stacked(_each_once(runs, rows_of), shared, Options(critical=False))
+    return stacked(_each_once(runs, rows_of), shared, Options(critical=False), base)
 
 
 def _each_once(runs: Sequence[Run], rows_of: Callable[[Run], RunRows]) -> tuple[RunRows, ...]:
@@ -135,22 +147,29 @@ def _constant_rows(finding: Analysis, shared: frozenset[str]) -> tuple[Covector,
     return tuple(one.coefficients for one in rows)
 
 
-def stacked(runs: tuple[RunRows, ...], shared: Sequence[str], options: Options) -> Stack:
+def stacked(
+    runs: tuple[RunRows, ...], shared: Sequence[str], options: Options, base: System | None = None
+) -> Stack:
     """Put the rows of all runs below each other and analyse the matrix."""
-    system = static_system(runs, shared)
+    system = static_system(runs, shared, base)
     for one in runs:
         if one.undecided:
             return Stack(runs, system, Undecided(system, f"run {one.run.name}: {one.undecided}"))
     return Stack(runs, system, analyze(system, options))
 
 
-def static_system(runs: Sequence[RunRows], shared: Sequence[str]) -> System:
-    """Return x' = 0, y = M x."""
-    base = runs[0].run.system
+def static_system(runs: Sequence[RunRows], shared: Sequence[str], base: System | None = None) -> System:
+    """Return x' = 0, y = M x.
+
+    Parameters
+    ----------
+    base : the file's system, for its quantities: those of a run may have parameters fixed
+    """
+    first = runs[0].run.system
     kept = frozenset(shared)
-    states = tuple(one for one in base.states if one.name in kept)
+    states = tuple(one for one in first.states if one.name in kept)
     column = {one.name: j for j, one in enumerate(states)}
-    parameters: dict[str, Parameter] = {}
+    parameters: dict[str, Parameter] = {one.name: one for one in (base.parameters if base else ())}
     entries = {}
     outputs: list[Output] = []
     for k, one in enumerate(runs, start=1):
@@ -161,7 +180,7 @@ def static_system(runs: Sequence[RunRows], shared: Sequence[str]) -> System:
     n = len(states)
     return System(
         stage="experiment",
-        time=base.time,
+        time=first.time,
         parameters=tuple(parameters.values()),
         functions=(),
         invariants=(),
@@ -169,8 +188,9 @@ def static_system(runs: Sequence[RunRows], shared: Sequence[str]) -> System:
         outputs=tuple(outputs),
         A=Matrix(n, n, {}),
         H=Matrix(len(outputs), n, entries),
-        quantities=tuple(_about(base.quantities, kept)),
-        scope=base.scope,
+        quantities=tuple(_about(base.quantities if base else (), kept)),
+        prior={name: entry for name, entry in first.prior.items() if name in kept},
+        scope=first.scope,
     )
 
 

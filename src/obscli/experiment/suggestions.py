@@ -18,6 +18,7 @@ from obscli.core.number import bar
 from obscli.exact.finding import Undecided
 from obscli.exact.row_sets import RowSets
 from obscli.exact.without import rows_without
+from obscli.experiment.own_symbols import unused_name
 from obscli.experiment.stacked import RunRows, static_system
 from obscli.model.expression import Expression, Symbol, negate
 from obscli.model.specialise import Specialisation
@@ -125,12 +126,12 @@ def _turn(name: str, matrix: str) -> Change:
 
 def _with(parameter: Parameter, value: Expression | None) -> Change:
     """Return the change of one parameter, None: to a symbol of its own."""
-    other = f"{parameter.name}_other"
 
     def change(run: Run) -> System | None:
         system = run.system
         if parameter.name not in {one.name for one in system.parameters}:
             return None
+        other = unused_name(parameter.name, system)
         new: Expression = Symbol(other) if value is None else value
         special = Specialisation(system, {parameter.name: new}).system()
         own = tuple(

@@ -21,7 +21,7 @@ from typing import Final
 
 import numpy as np
 
-from obscli.numeric.errors import NotComputableError
+from obscli.numeric.errors import NotComputableError, TooManyStepsError
 from obscli.numeric.noise import NoiseModel
 from obscli.numeric.program import Array, Counts
 from obscli.numeric.rates import rates_of
@@ -37,6 +37,9 @@ STANDS: Final = 5e-3
 _FEWEST: Final = 60
 _HALVINGS: Final = 6
 _MOST: Final = 20_000
+
+#: The first panels are so long in units of the time constant of a filter of driven and measured states.
+_PER_BANDWIDTH: Final = 0.5
 
 #: Rows are triangularised when they are more than so many per state.
 _GATHERED: Final = 3
@@ -65,14 +68,27 @@ def information(noise: NoiseModel, start: float, instants: Array, kept: Counts, 
     longest = longest_step(rates)
     if noise.drive is None:
         return _marginal(_carried(noise, edges_of(start, instants, longest, _MOST), instants, priors), kept)
-    longest = min(longest, float(instants[-1] - start) / _FEWEST)
+    span = float(instants[-1] - start)
+    longest = min(longest, span / _FEWEST, _PER_BANDWIDTH / max(_bandwidth(noise, start, span), 1 / span))
     found: list[Array] = []
     for halving in range(_HALVINGS):
-        edges = edges_of(start, instants, longest / 2**halving, _MOST)
+        try:
+            edges = edges_of(start, instants, longest / 2**halving, _MOST)
+        except TooManyStepsError:
+            break
         found.append(_marginal(_carried(noise, edges, instants, priors), kept))
         if halving and _stands(found[-2][-1], found[-1][-1]):
             return found[-1]
-    raise NotComputableError("the driving noise is not resolved: give a shorter interval")
+    raise NotComputableError(
+        f"the driving noise is not resolved in {_MOST} steps: Q is large against R for so long an interval"
+    )
+
+
+def _bandwidth(noise: NoiseModel, start: float, span: float) -> float:
+    """Return how fast a filter of directly driven and measured states would be, |R^(-1/2) H G Q^(1/2)|."""
+    t = start + span * np.arange(1, _PROBES) / _PROBES
+    _, H = noise.system.matrices(t)
+    return float(np.linalg.norm(noise.whitening @ H @ noise.driving(t), axis=(1, 2)).max())
 
 
 def _carried(noise: NoiseModel, edges: Array, instants: Array, priors: Array) -> Array:

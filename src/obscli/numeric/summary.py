@@ -9,9 +9,15 @@ from obscli.numeric.echelon import echelon_curves
 from obscli.numeric.finding import NumericFinding, NumericPoint
 
 
-def finding_of(numeric: Numeric, *, bases: bool = False) -> NumericFinding:
-    """Return what was found; ``bases``: with an orthonormal basis of the row space at every instant."""
-    curves = echelon_curves(numeric)
+def finding_of(numeric: Numeric, *, bases: bool = False, verdicts: bool = True) -> NumericFinding:
+    """Return what was found.
+
+    Parameters
+    ----------
+    bases : with an orthonormal basis of the row space at every instant
+    verdicts : with what the Gramian says of every state, which takes a while for large systems
+    """
+    curves = echelon_curves(numeric) if verdicts else None
     motion = numeric.system.motion
     return NumericFinding(
         system=numeric.system.system,

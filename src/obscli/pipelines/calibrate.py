@@ -71,7 +71,7 @@ def calibrate(
     """
     experiment, is_default = experiment_of(model)
     runs = chosen_runs(model, experiment.runs, request.runs)
-    found = exactly(runs, experiment.shared, progress, critical=request.critical)
+    found = exactly(runs, experiment.shared, model.systems[0], progress, critical=request.critical)
     result = CalibrationResult(
         model=model,
         experiment=experiment,
@@ -86,13 +86,12 @@ def calibrate(
 
 
 def experiment_of(model: Model) -> tuple[Experiment, bool]:
-    """Return the experiment of the file; where there is none, every stage is a run."""
+    """Return the experiment of the file; where it has no runs, every stage is one."""
     if model.experiment is not None and model.experiment.runs:
         return model.experiment, False
     runs = tuple(Run(one.stage or model.name, one, one.stage, one.states[0].place) for one in model.systems)
     shared = shared_states([run.system for run in runs], None, Problems())
-    plan = model.experiment and model.experiment.plan
-    return Experiment("", "", runs, shared, plan or None), True
+    return Experiment("", "", runs, shared), True
 
 
 def chosen_runs(model: Model, runs: tuple[Run, ...], names: tuple[str, ...]) -> tuple[Run, ...]:
@@ -112,27 +111,30 @@ def with_gramians(
     from obscli.experiment.agreement import verify_together  # noqa: PLC0415
     from obscli.experiment.informed import informed  # noqa: PLC0415
     from obscli.experiment.witnessed import witnessed  # noqa: PLC0415
-    from obscli.numeric.errors import NotComputableError  # noqa: PLC0415
+    from obscli.numeric.errors import NotComputableError, UnfitRequestError  # noqa: PLC0415
     from obscli.numeric.finding import NotComputed  # noqa: PLC0415
     from obscli.numeric.summary import finding_of  # noqa: PLC0415
     from obscli.pipelines.numerical import Looks, settings_of, verify_analysis  # noqa: PLC0415
 
     exact, model = result.exact, result.model
     look = Looks(model, request.numeric, progress)
-    seen = witnessed(
-        exact.runs, exact.stack.system, look.numeric, settings_of(exact.stack.system, request.numeric)
-    )
+    try:
+        seen = witnessed(
+            exact.runs, exact.stack.system, look.numeric, settings_of(exact.stack.system, request.numeric)
+        )
+    except UnfitRequestError as error:
+        raise RequestError(f"{model.file}: {error}") from error
     runs = []
     for one, numeric in zip(result.runs, seen.runs, strict=True):
         assert one.rows.finding is not None
         verification = verify_analysis(one.rows.finding, numeric)
-        summary = numeric if isinstance(numeric, NotComputed) else finding_of(numeric)
+        summary = numeric if isinstance(numeric, NotComputed) else finding_of(numeric, verdicts=False)
         runs.append(replace(one, numeric=summary, verification=verification))
     result = replace(
         result,
         runs=tuple(runs),
         verification=verify_together(exact.stack, exact.at_file, seen),
-        together=None if seen.together is None else finding_of(seen.together),
+        together=None if seen.together is None else finding_of(seen.together, verdicts=False),
         after=None if seen.after is None else tuple(int(rank) for rank in seen.after.spaces.rank),
     )
     if seen.together is None:

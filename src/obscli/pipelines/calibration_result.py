@@ -94,9 +94,8 @@ class CalibrationResult:
     def undecided(self) -> int:
         """How many things stayed undecided."""
         open_ = sum(isinstance(one, NotVerified) or one.verdict == "undecided" for one in self.verifications)
-        return (
-            open_ + (not isinstance(self.exact.stack.finding, Analysis)) + (self.exact.at_file.rank is None)
-        )
+        exact = (not isinstance(self.exact.stack.finding, Analysis)) + (self.exact.at_file.rank is None)
+        return open_ + exact + self.asks_in_vain
 
     @property
     def asks_in_vain(self) -> bool:

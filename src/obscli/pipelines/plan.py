@@ -10,17 +10,14 @@ from obscli.core.figure import Figure
 from obscli.core.verification import NotVerified
 from obscli.experiment.accuracy import accuracy
 from obscli.experiment.agreement import verify_together
-from obscli.experiment.informed import Informed, RunInformation
+from obscli.experiment.informed import Informed, RunInformation, known_value
 from obscli.experiment.planning import RankedSet
 from obscli.experiment.planning import plan as choose
 from obscli.experiment.special import at_file
 from obscli.experiment.stacked import proved
 from obscli.experiment.witnessed import witnessed
-from obscli.model.expression import Expression
-from obscli.model.system import Model, Run
+from obscli.model.system import Experiment, Model
 from obscli.numeric.errors import NotComputableError
-from obscli.numeric.numeric_system import constants_of
-from obscli.numeric.program import constant_value
 from obscli.pipelines.calibrate import chosen_runs, experiment_of
 from obscli.pipelines.describe.plan import plan_document
 from obscli.pipelines.describe.plan_figures import plan_figures
@@ -80,25 +77,30 @@ def plan(
     RequestError
         where there is nothing to choose from
     """
-    experiment, is_default = experiment_of(model)
+    experiment, is_default = _to_choose_from(model)
     wanted = experiment.plan
-    candidates = experiment.runs
-    if wanted is not None and wanted.candidates is not None:
-        candidates = wanted.candidates
+    candidates = experiment.runs if wanted is None or wanted.candidates is None else wanted.candidates
     runs = chosen_runs(model, candidates, request.runs)
     names = {run.name for run in runs}
     forbidden = [one for one in (wanted.forbidden if wanted else ()) if names.issuperset(one)]
-    setup = _setup_time(wanted.setup_time if wanted else None, runs[0])
+    base = model.systems[0]
     try:
-        found = choose(runs, experiment.shared, forbidden, setup, model.require, progress)
+        setup = 0.0
+        if wanted is not None and wanted.setup_time is not None:
+            setup = known_value(wanted.setup_time, base)
+        found = choose(runs, experiment.shared, forbidden, setup, model.require, base, progress)
     except NotComputableError as error:
         raise RequestError(f"{model.file}: {error}") from error
     result = PlanResult(model, experiment, found, is_default=is_default)
     return PlanReport((_checked(result, request, progress),), changes)
 
 
-def _setup_time(given: Expression | None, run: Run) -> float:
-    return 0.0 if given is None else constant_value(given, constants_of(run.system))
+def _to_choose_from(model: Model) -> tuple[Experiment, bool]:
+    """Return the experiment with candidates or runs; where there is none, every stage is a candidate."""
+    found = model.experiment
+    if found is not None and found.plan is not None and found.plan.candidates:
+        return found, False
+    return experiment_of(model)
 
 
 def _checked(result: PlanResult, request: PlanRequest, progress: Progress) -> PlanResult:

@@ -48,6 +48,7 @@ class PlanResult:
 
     @property
     def undecided(self) -> bool:
-        """Whether the plan could not be held against the Gramians."""
+        """Whether the plan could not be held against the Gramians, or against what is required."""
         found = self.verification
-        return not isinstance(found, Verification) or found.verdict == "undecided"
+        vain = bool(self.model.require) and self.accuracy is None
+        return vain or not isinstance(found, Verification) or found.verdict == "undecided"

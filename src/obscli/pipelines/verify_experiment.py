@@ -28,7 +28,7 @@ def verify_experiment(model: Model, request: NumericRequest, progress: Progress)
     experiment, _ = experiment_of(model)
     progress(f"{model.name}: experiment")
     runs, _ = told_apart(experiment.runs)
-    stack = analysed(runs, experiment.shared, silent, critical=False)
+    stack = analysed(runs, experiment.shared, silent, critical=False, base=model.systems[0])
     look, settings = Looks(model, request), settings_of(stack.system, request)
     verification = verify_together(
         stack,

@@ -168,7 +168,8 @@ def _required_verdict(result: CalibrationResult) -> tuple[Kind, str]:
     margin = f"worst margin {short(worst.margin, 3)} ({worst.name})"
     if failed:
         return "bad", f"{len(failed)} of {counted(len(required), 'requirement')} not met, {margin}"
-    return "good", f"all {counted(len(required), 'requirement')} met, {margin}"
+    everything = "the requirement is" if len(required) == 1 else f"all {len(required)} requirements are"
+    return "good", f"{everything} met, {margin}"
 
 
 def _advice(result: CalibrationResult) -> Iterator[str]:

@@ -211,7 +211,13 @@ def _search(result: PlanResult) -> str:
             if len(found.sets) == every
             else f"{len(found.sets)} of {every} sets do"
         )
-        return f"{runs} are the fewest that reach {reach}; {which}. All smaller sets were excluded."
+        verb = "is" if found.size == 1 else "are"
+        smaller = (
+            f" No smaller set does: {found.looked_at} sets were tried, modulo a prime."
+            if found.size > 1
+            else ""
+        )
+        return f"{runs} {verb} the fewest that reach {reach}; {which}.{smaller}"
     guarantee = (
         "" if found.guarantee is None else f", at most {short(found.guarantee)} times the smallest number"
     )
