@@ -19,12 +19,14 @@ QUICK = {
     "speed.py": ["--runs", "3"],
     "growth.py": ["--runs", "1"],
     "gramian.py": ["--runs", "3"],
+    "calibration.py": ["--runs", "3"],
     "peers.py": ["--runs", "1", "--reduce-limit", "0"],
 }
 TITLES = {
     "speed.py": "Speed: INS calibration stage 1",
     "growth.py": "Growth",
     "gramian.py": "The Gramian: INS calibration stage 2",
+    "calibration.py": "Experiments: six runs, 24 candidates, 8 IMUs",
     "peers.py": "Side by side: INS calibration stage 1",
     "witness.py": "The generators, checked by modular power series",
 }

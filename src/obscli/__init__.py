@@ -26,7 +26,8 @@ chi        ()          indicator of an analytic result against W: max |xi . eta|
 A combination is *constant* where xi' + xi A = 0. A state is *observable* where it is itself a combination,
 *coupled* where it enters one, *unobservable* where it enters none.
 
-Public interface: ``load``, ``analyze``, ``verify``, ``ModelError``; see ``obscli.api``.
+Public interface: ``load``, ``analyze``, ``verify``, ``calibrate``, ``plan``, ``ModelError``; see
+``obscli.api``.
 
 References
 ----------
@@ -44,9 +45,19 @@ from obscli.core.version import VERSION
 
 
 if TYPE_CHECKING:
-    from obscli.api import AnalyzeReport, VerifyReport, analyze, load, verify
+    from obscli.api import (
+        AnalyzeReport,
+        CalibrateReport,
+        VerifyReport,
+        analyze,
+        calibrate,
+        load,
+        plan,
+        verify,
+    )
     from obscli.core.place import ModelError
-    from obscli.pipelines.request import AnalyzeRequest, Changes
+    from obscli.pipelines.plan import PlanReport
+    from obscli.pipelines.request import AnalyzeRequest, CalibrateRequest, Changes, PlanRequest
 
 
 __version__ = VERSION
@@ -54,12 +65,18 @@ __version__ = VERSION
 __all__ = [
     "AnalyzeReport",
     "AnalyzeRequest",
+    "CalibrateReport",
+    "CalibrateRequest",
     "Changes",
     "ModelError",
+    "PlanReport",
+    "PlanRequest",
     "VerifyReport",
     "__version__",
     "analyze",
+    "calibrate",
     "load",
+    "plan",
     "verify",
 ]
 
@@ -67,11 +84,17 @@ __all__ = [
 _HOMES = {
     "AnalyzeReport": "obscli.api",
     "AnalyzeRequest": "obscli.pipelines.request",
+    "CalibrateReport": "obscli.api",
+    "CalibrateRequest": "obscli.pipelines.request",
     "Changes": "obscli.pipelines.request",
     "ModelError": "obscli.core.place",
+    "PlanReport": "obscli.pipelines.plan",
+    "PlanRequest": "obscli.pipelines.request",
     "VerifyReport": "obscli.api",
     "analyze": "obscli.api",
+    "calibrate": "obscli.api",
     "load": "obscli.api",
+    "plan": "obscli.api",
     "verify": "obscli.api",
 }
 

@@ -1,5 +1,9 @@
 """Ranks of many unions of rows of one matrix, at a random point modulo a prime.
 
+A set of rows S is carried as its kernel N (S N = 0, columns), so that what further rows G add to its rank is
+
+    rank (S; G) − rank S = rank G N
+
 The rank found is the generic one but for a chance below 1e-15 a set; it is never above it. What is chosen by
 it is proved afterwards.
 """
@@ -8,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TypeAlias
 
 from flint import nmod_mat
 
@@ -18,9 +21,6 @@ from obscli.model.system import System
 
 
 _SEED = 20260411
-
-#: Rows of values modulo PRIME, a reduced basis of their span.
-Span: TypeAlias = "tuple[tuple[int, ...], ...]"
 
 
 class RowSets:
@@ -35,29 +35,39 @@ class RowSets:
     def __init__(self, system: System, sizes: Sequence[int]) -> None:
         exact = read_system(system)
         point = SeriesPoint(exact.field, 1, _SEED)
-        self.columns = system.n
-        values = []
-        for row in exact.H:
-            dense = [0] * system.n
+        self.columns = n = system.n
+        values = [[0] * n for _ in exact.H]
+        for dense, row in zip(values, exact.H, strict=True):
             for j, element in row.items():
                 dense[j] = int(point.value(element)[0])
-            values.append(tuple(dense))
         starts = [sum(sizes[:k]) for k in range(len(sizes) + 1)]
-        self.groups: tuple[Span, ...] = tuple(self.union((), tuple(values[a:b])) for a, b in pairwise(starts))
+        self._groups = [_matrix(values[a:b], n) for a, b in pairwise(starts)]
+        self.ranks = tuple(int(group.rank()) for group in self._groups)
+        self.nothing = _matrix([[int(i == j) for j in range(n)] for i in range(n)], n)
 
-    def union(self, span: Span, rows: Span) -> Span:
-        """Return a reduced basis of two spans together."""
-        both = [*span, *rows]
-        if not both:
-            return ()
-        reduced, rank = nmod_mat(len(both), self.columns, [v for row in both for v in row], PRIME).rref()
-        return tuple(tuple(int(reduced[i, j]) for j in range(self.columns)) for i in range(rank))
+    def __len__(self) -> int:
+        """Return the number of groups."""
+        return len(self._groups)
+
+    def gain(self, kernel: nmod_mat, group: int) -> int:
+        """Return what a group adds to the rank of a set, given the set's kernel."""
+        return int((self._groups[group] * kernel).rank())
+
+    def joined(self, kernel: nmod_mat, group: int) -> nmod_mat:
+        """Return the kernel of a set and a group together; columns beyond its basis are zero."""
+        basis, _ = (self._groups[group] * kernel).nullspace()
+        return kernel * basis
 
     def rank(self, groups: Sequence[int]) -> int:
         """Return the rank of some groups together."""
-        rows = [row for k in groups for row in self.groups[k]]
-        if not rows:
-            return 0
-        flat = [value for row in rows for value in row]
-        rank: int = nmod_mat(len(rows), self.columns, flat, PRIME).rank()
+        kernel, rank = self.nothing, 0
+        for group in groups:
+            rank += self.gain(kernel, group)
+            kernel = self.joined(kernel, group)
         return rank
+
+
+def _matrix(rows: Sequence[Sequence[int]], columns: int) -> nmod_mat:
+    """Return a matrix with at least one row, of zeros where there is none."""
+    rows = rows or [[0] * columns]
+    return nmod_mat(len(rows), columns, [value for row in rows for value in row], PRIME)

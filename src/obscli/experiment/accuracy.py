@@ -14,10 +14,11 @@ from obscli.numeric.program import Array
 class Deviation:
     """Standard deviation of one shared state: before, after each run together with those before it, alone.
 
-    ``alone``: after each run by itself, with the prior.
+    ``alone``: after each run by itself, with the prior; ``unit``: as the file labels it.
     """
 
     name: str
+    unit: str
     before: float
     after: float
     runs: tuple[float, ...]
@@ -29,6 +30,7 @@ class Required:
     """A requirement: one standard deviation asked for, and what there is before and after."""
 
     name: str
+    unit: str
     required: float
     before: float
     after: float
@@ -83,6 +85,7 @@ def accuracy(informed: Informed) -> Accuracy:
         tuple(
             Deviation(
                 name,
+                informed.units.get(name, ""),
                 float(before[j]),
                 float(runs[-1, j]),
                 tuple(runs[:, j].tolist()),
@@ -91,7 +94,7 @@ def accuracy(informed: Informed) -> Accuracy:
             for j, name in enumerate(informed.states)
         ),
         tuple(
-            Required(name, value, float(asked_before[k]), float(asked_after[k]))
+            Required(name, informed.units.get(name, ""), value, float(asked_before[k]), float(asked_after[k]))
             for k, (name, value) in enumerate(informed.required)
         ),
         _history(informed, ends, before),

@@ -8,7 +8,7 @@ and no prior of theirs is in it. So information of runs and prior adds up, in an
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -55,6 +55,7 @@ class Informed:
     runs : in order
     prior : rows U with Uᵀ U = P₀⁻¹ on the shared states, shape (k, c)
     states : unit covectors are those of the shared states, in this order
+    units : the unit of every state, as the file labels it
     required : name and value of every requirement, with its covector
     covectors : shape (len(required), c)
     driven : shared states that `noise: Q` drives, which is left out
@@ -65,6 +66,7 @@ class Informed:
     runs: tuple[RunInformation, ...]
     prior: Array
     states: tuple[str, ...]
+    units: Mapping[str, str]
     required: tuple[tuple[str, float], ...]
     covectors: Array
     driven: tuple[str, ...]
@@ -112,6 +114,7 @@ def informed(
         ),
         model.prior(kept)[:, kept],
         names,
+        {one.name: one.unit for one in shared.states},
         required,
         covectors,
         tuple(name for name in names if any(_is_driven(run.system, name) for run in runs)),

@@ -26,6 +26,10 @@ from obscli.numeric.horizon import Wanted, horizon_of
 SHORTENED: Final = 12
 MOST_RUNS: Final = 60
 
+#: Sets whose margins are looked at; of more, the shortest. So often it is told.
+MOST_RANKED: Final = 4000
+_TOLD: Final = 100
+
 
 @dataclass(frozen=True, slots=True)
 class RankedSet:
@@ -64,7 +68,8 @@ class Plan:
     left_out : candidates that are forbidden by themselves
     stack : the rows of all candidates
     found : the smallest sets
-    ranked : the sets in the order of preference; those behind the first few without shortened durations
+    ranked : the sets (the shortest, where they are very many) in the order of preference; those behind the
+        first few without shortened durations
     extended : more runs, some repeated, where the smallest set does not meet what is required
     informed : information of all candidates; None where ``no_accuracy`` says why not
     suggestions, tried : kinds of runs that would determine more; what was tried
@@ -125,7 +130,7 @@ def plan(
     found = smallest_sets(rows, sets, progress)
     durations = tuple(_duration(run) for run in apart)
     told, no_accuracy = _informed(apart, stack, requirements, progress)
-    chooser = _Chooser(told, durations, setup_time, sets)
+    chooser = _Chooser(told, durations, setup_time, sets, rows, found.rank)
     ranked = chooser.ranked(found.sets, progress)
     kinds: tuple[tuple[Suggestion, ...], tuple[str, ...]] = ((), ())
     if found.rank < len(shared):
@@ -182,17 +187,25 @@ class _Chooser:
         durations: tuple[float, ...],
         setup_time: float,
         forbidden: Sequence[frozenset[int]],
+        rows: RowSets,
+        goal: int,
     ) -> None:
         self._told = told if told is not None and told.required else None
         self._durations = durations
         self._setup_time = setup_time
         self._forbidden = forbidden
+        self._rows, self._goal = rows, goal
         self._asked = np.array([value for _, value in told.required]) if told is not None else np.zeros(0)
 
     def ranked(self, sets: Sequence[tuple[int, ...]], progress: Progress) -> tuple[RankedSet, ...]:
         """Return the sets: first those that meet what is required, the shortest first, then by margin."""
-        progress(f"margins of {len(sets)} sets")
-        found = sorted((self._of(runs) for runs in sets), key=_preference)
+        by_duration = sorted(sets, key=lambda runs: (self._duration(runs), runs))[:MOST_RANKED]
+        found = []
+        for k, runs in enumerate(by_duration, start=1):
+            if k % _TOLD == 1:
+                progress(f"margins: {bar(k, len(by_duration))}")
+            found.append(self._of(runs))
+        found.sort(key=_preference)
         first = []
         for k, one in enumerate(found[:SHORTENED], start=1):
             progress(f"shortest durations: {bar(k, min(SHORTENED, len(found)))}")
@@ -201,8 +214,11 @@ class _Chooser:
 
     def _of(self, runs: tuple[int, ...]) -> RankedSet:
         setup = self._setup_time * len(runs)
-        total = sum(self._durations[k] for k in runs) + setup
-        return RankedSet(runs, total, None if self._told is None else self._margin(runs), setup=setup)
+        margin = None if self._told is None else self._margin(runs)
+        return RankedSet(runs, self._duration(runs), margin, setup=setup)
+
+    def _duration(self, runs: Sequence[int]) -> float:
+        return sum(self._durations[k] + self._setup_time for k in runs)
 
     def _margin(self, runs: Sequence[int]) -> float:
         assert self._told is not None
@@ -219,7 +235,8 @@ class _Chooser:
     def extended(self, ranked: Sequence[RankedSet], progress: Progress) -> RankedSet | None:
         """Return the best set with runs added until the requirements are met; None where it is not needed.
 
-        Each time the run is added that gains most for the time it takes.
+        Each time the run is added that gains most for the time it takes; at the end, runs that are not needed
+        any more are left out.
         """
         if self._told is None or not ranked or ranked[0].is_met or not ranked[0].margin:
             return None
@@ -232,10 +249,18 @@ class _Chooser:
             runs = (*runs, best)
             margin = self._margin(runs)
             if margin >= 1:
-                return self._shortened(self._of(runs))
+                return self._shortened(self._of(self._pruned(runs)))
             if margin <= before * (1 + 1e-9):
                 return None
         return None
+
+    def _pruned(self, runs: tuple[int, ...]) -> tuple[int, ...]:
+        """Return the runs without those that neither the requirements nor the rank need."""
+        for k in range(len(runs) - 1, -1, -1):
+            rest = (*runs[:k], *runs[k + 1 :])
+            if rest and self._rows.rank(rest) == self._goal and self._margin(rest) >= 1:
+                return self._pruned(rest)
+        return runs
 
     def _gain(self, before: float, runs: tuple[int, ...], k: int) -> float:
         return float(np.log(self._margin(runs) / before)) / (self._durations[k] + self._setup_time)

@@ -1,9 +1,9 @@
 """The smallest sets of runs that determine as much as possible: all of them, or one by a greedy choice.
 
-The rank of a union of row spaces is monotone and submodular. Exhaustively, sets are tried by size and
-those that cannot reach the goal are cut off: the rank of a part and the largest ranks of the runs to come
-bound what it can reach. Where that is too much, the run that adds most is taken again and again; the set
-found has at most 1 + 1/2 + … + 1/d times as many runs as the smallest, d the largest rank of one run.
+The rank of a union of row spaces is monotone and submodular. Exhaustively, sets are tried by size, and those
+that cannot reach the goal are cut off: what the runs to come add now bounds what they add later. Where that
+is too much, the run that adds most is taken again and again; the set found has at most 1 + 1/2 + … + 1/d
+times as many runs as the smallest, d the largest rank of one run.
 
 References
 ----------
@@ -15,15 +15,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
-from obscli.exact.row_sets import RowSets, Span
+from obscli.exact.row_sets import RowSets
 
+
+if TYPE_CHECKING:
+    from flint import nmod_mat
 
 Progress: TypeAlias = Callable[[str], None]
 
-#: Partial sets looked at before the search is left to the greedy choice.
-MOST_LOOKS: Final = 200_000
+#: Partial sets looked at (some microseconds each) before the search is left to the greedy choice.
+MOST_LOOKS: Final = 2_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +70,7 @@ def smallest_sets(
     rows : the row spaces of all candidate runs
     forbidden : sets of which not all members may be chosen
     """
-    count = len(rows.groups)
+    count = len(rows)
     search = _Search(rows, forbidden)
     whole = rows.rank(range(count))
     try:
@@ -83,38 +86,46 @@ def smallest_sets(
 
 
 class _Search:
+    """Sets of runs, grown one by one; each carried by its kernel and its rank."""
+
     def __init__(self, rows: RowSets, forbidden: Sequence[frozenset[int]]) -> None:
         self._rows = rows
         self._forbidden = forbidden
-        # runs that determine much first: sets that reach the goal and bounds that cut come early
-        self._order = sorted(range(len(rows.groups)), key=lambda k: (-len(rows.groups[k]), k))
         self.looked_at = 0
 
     def reaching(self, goal: int, size: int) -> Iterator[tuple[int, ...]]:
         """Yield the allowed sets of a size that reach the goal."""
-        yield from self._extended((), (), 0, goal, size)
+        yield from self._extended((), 0, self._rows.nothing, range(len(self._rows)), goal, size)
 
     def _extended(
-        self, chosen: tuple[int, ...], span: Span, start: int, goal: int, size: int
+        self,
+        chosen: tuple[int, ...],
+        rank: int,
+        kernel: nmod_mat,
+        candidates: Sequence[int],
+        goal: int,
+        size: int,
     ) -> Iterator[tuple[int, ...]]:
+        """Yield the sets that contain those chosen and otherwise candidates."""
         left = size - len(chosen)
-        if not left:
-            if len(span) == goal:
-                yield tuple(sorted(chosen))
-            return
-        for place in range(start, len(self._order) - left + 1):
-            run = self._order[place]
-            # the runs are sorted by rank: what the next ones can add is bounded by theirs
-            if len(span) + left * len(self._rows.groups[run]) < goal:
+        gains = {run: self._gain(kernel, run) for run in candidates if self._is_allowed((*chosen, run))}
+        order = sorted(gains, key=lambda run: (-gains[run], run))
+        for place, run in enumerate(order):
+            # what a run adds later is at most what it adds now; the best of those left bound the rest
+            if rank + sum(gains[one] for one in order[place : place + left]) < goal:
                 return
-            if not self._is_allowed((*chosen, run)):
-                continue
-            self.looked_at += 1
-            if self.looked_at > MOST_LOOKS:
-                raise _TooManyError
-            yield from self._extended(
-                (*chosen, run), self._rows.union(span, self._rows.groups[run]), place + 1, goal, size
-            )
+            longer = (*chosen, run)
+            if left == 1:
+                yield tuple(sorted(longer))
+            elif place + left <= len(order):
+                below = self._rows.joined(kernel, run)
+                yield from self._extended(longer, rank + gains[run], below, order[place + 1 :], goal, size)
+
+    def _gain(self, kernel: nmod_mat, run: int) -> int:
+        self.looked_at += 1
+        if self.looked_at > MOST_LOOKS:
+            raise _TooManyError
+        return self._rows.gain(kernel, run)
 
     def _is_allowed(self, chosen: tuple[int, ...]) -> bool:
         return not any(one <= set(chosen) for one in self._forbidden)
@@ -122,18 +133,16 @@ class _Search:
     def greedy(self, goal: int) -> SmallestSets:
         """Return one set by taking the run that adds most, again and again."""
         chosen: tuple[int, ...] = ()
-        span: Span = ()
-        while len(span) < goal:
-            options = [k for k in self._order if k not in chosen and self._is_allowed((*chosen, k))]
-            spans = {k: self._rows.union(span, self._rows.groups[k]) for k in options}
-            best = max(options, key=lambda k: (len(spans[k]), -k), default=None)
-            if best is None or len(spans[best]) == len(span):
+        rank, kernel = 0, self._rows.nothing
+        while rank < goal:
+            options = [k for k in range(len(self._rows)) if self._is_allowed((*chosen, k))]
+            gains = {k: self._rows.gain(kernel, k) for k in options if k not in chosen}
+            best = max(gains, key=lambda k: (gains[k], -k), default=None)
+            if best is None or not gains[best]:
                 break
-            chosen, span = (*chosen, best), spans[best]
-        largest = max(len(group) for group in self._rows.groups)
-        harmonic = float(sum(Fraction(1, k) for k in range(1, largest + 1)))
+            chosen, rank = (*chosen, best), rank + gains[best]
+            kernel = self._rows.joined(kernel, best)
+        harmonic = float(sum(Fraction(1, k) for k in range(1, max(self._rows.ranks) + 1)))
         guarantee = None if self._forbidden else harmonic
         kept = tuple(sorted(chosen))
-        return SmallestSets(
-            len(span), (kept,), exhaustive=False, looked_at=self.looked_at, guarantee=guarantee
-        )
+        return SmallestSets(rank, (kept,), exhaustive=False, looked_at=self.looked_at, guarantee=guarantee)

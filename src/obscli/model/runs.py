@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Mapping as MappingOf
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -37,6 +38,7 @@ def experiment_of(
     candidates = None
     if plan is not None and plan.candidates is not None:
         candidates = _runs(plan.candidates, elaborated, problems)
+    chosen_from = (plan and plan.candidates) or (draft.runs if draft else ())
     everything = (*runs, *(candidates or ()))
     if problems or not everything:
         return None
@@ -45,7 +47,7 @@ def experiment_of(
         draft.description if draft else "",
         runs,
         shared_states(tuple(run.system for run in everything), draft, problems),
-        None if plan is None else _planning(plan, candidates or runs, candidates, problems),
+        None if plan is None else _planning(plan, chosen_from, candidates or runs, candidates, problems),
     )
 
 
@@ -108,10 +110,13 @@ def _moving(system: System) -> Iterator[str]:
 
 
 def _planning(
-    plan: PlanDraft, chosen_from: tuple[Run, ...], candidates: tuple[Run, ...] | None, problems: Problems
+    plan: PlanDraft,
+    drafts: Sequence[RunDraft],
+    chosen_from: tuple[Run, ...],
+    candidates: tuple[Run, ...] | None,
+    problems: Problems,
 ) -> Planning:
-    names = [run.name for run in chosen_from]
-    forbidden = tuple(tuple(_names_in(node, names, problems)) for node in plan.forbidden)
+    forbidden = tuple(some for node in plan.forbidden for some in _forbidden(node, drafts, problems))
     setup = None
     if plan.setup_time is not None and chosen_from:
         system = chosen_from[0].system
@@ -119,6 +124,28 @@ def _planning(
         if setup is not None and (_is_negative(setup) or _moves(setup, system)):
             problems.add(plan.setup_time.problem("a time is expected here: zero or a positive number"))
     return Planning(candidates, forbidden, setup)
+
+
+def _forbidden(node: Node, drafts: Sequence[RunDraft], problems: Problems) -> Iterator[tuple[str, ...]]:
+    """Yield what an entry of ``forbidden`` forbids: candidates with some values, one, or several together."""
+    if not isinstance(node, Mapping):
+        names = tuple(_names_in(node, [draft.name for draft in drafts], problems))
+        yield from (names,) if names else ()
+        return
+    wanted = {key.text: value.text.strip() for key, value in node.entries if isinstance(value, Scalar)}
+    found = [draft.name for draft in drafts if len(wanted) == len(node.entries) and _has(draft, wanted)]
+    if not found:
+        hint = "give `stage` and values as the candidates have them, such as {stage: up, omega: -omega}"
+        problems.add(node.problem("plan.forbidden", "no candidate has these values", hint))
+    yield from ((name,) for name in found)
+
+
+def _has(draft: RunDraft, wanted: MappingOf[str, str]) -> bool:
+    """Whether a candidate has all the values: of ``stage``, and of what it fixes."""
+    values = {name: entry.formula.text for name, entry in draft.fix.items() if entry.formula}
+    return all(
+        (draft.stage if name == "stage" else values.get(name)) == text for name, text in wanted.items()
+    )
 
 
 def _names_in(node: Node, known: Sequence[str], problems: Problems) -> Iterator[str]:

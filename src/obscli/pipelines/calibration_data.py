@@ -155,6 +155,7 @@ def accuracy_data(found: Accuracy) -> dict[str, object]:
 
 def _deviation(one: Deviation) -> dict[str, object]:
     return {
+        "unit": one.unit,
         "before": json_number(one.before),
         "after": json_number(one.after),
         "after_runs": [json_number(value) for value in one.runs],
@@ -166,6 +167,7 @@ def required_data(one: Required) -> dict[str, object]:
     """Return one requirement with its margin."""
     return {
         "name": one.name,
+        "unit": one.unit,
         "required": json_number(one.required),
         "before": json_number(one.before),
         "after": json_number(one.after),

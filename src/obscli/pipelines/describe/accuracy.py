@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 COLUMNS: Final = (
     Column("state"),
+    Column("unit"),
     Column("before", "right"),
     Column("after", "right"),
     Column("best alone", "right"),
@@ -24,6 +25,7 @@ COLUMNS: Final = (
 ASKED_COLUMNS: Final = (Column("required", "right"), Column("margin", "right"), Column())
 REQUIRED_COLUMNS: Final = (
     Column("required of"),
+    Column("unit"),
     Column("at most", "right"),
     Column("before", "right"),
     Column("after", "right"),
@@ -77,6 +79,7 @@ def _row(one: Deviation, asked: Required | None, *, asks: bool) -> tuple[Cell, .
     gain = one.before / one.after if 0 < one.after < float("inf") else 1.0
     cells = (
         line(Text(one.name, "name")),
+        line(Text(one.unit, "faint")),
         line(Text(_short(one.before))),
         line(Text(_short(one.after))),
         line(Text(_short(min(one.alone)))),
@@ -92,7 +95,15 @@ def _asked_row(one: Required) -> tuple[Cell, ...]:
         line(Text(_short(one.before))),
         line(Text(_short(one.after))),
     )
-    return (name, before, after, line(Text("–")), line(Text("–")), *_margin(one))
+    return (
+        name,
+        line(Text(one.unit, "faint")),
+        before,
+        after,
+        line(Text("–")),
+        line(Text("–")),
+        *_margin(one),
+    )
 
 
 def _margin(one: Required | None) -> tuple[Cell, ...]:
@@ -106,6 +117,7 @@ def _required(one: Required) -> tuple[Cell, ...]:
     required, margin, met = _margin(one)
     return (
         line(Text(one.name, "name")),
+        line(Text(one.unit, "faint")),
         required,
         line(Text(_short(one.before))),
         line(Text(_short(one.after))),

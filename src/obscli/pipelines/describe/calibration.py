@@ -31,6 +31,7 @@ from obscli.pipelines.calibration_result import CalibrationResult, RunResult
 from obscli.pipelines.describe.accuracy import accuracy_blocks
 from obscli.pipelines.describe.calibration_verdict import calibration_verdict_blocks
 from obscli.pipelines.describe.formulas import combination, combinations, direction
+from obscli.pipelines.describe.states import quantity_blocks
 from obscli.pipelines.describe.words import SIGNS, UNDECIDED, names, sign
 
 
@@ -77,6 +78,7 @@ def _blocks(result: CalibrationResult) -> Iterator[Block]:
         yield from _together_blocks(result, finding)
         yield from _constant_blocks(result, finding)
         yield from _missing_blocks(finding)
+        yield from quantity_blocks(finding)
         yield from _special_blocks(result.exact.special, result.exact.stack.system)
     yield from accuracy_blocks(result)
     yield from calibration_verdict_blocks(result)

@@ -41,7 +41,7 @@ CANDIDATE_COLUMNS: Final = (
     Column("determines", "right"),
 )
 SET_COLUMNS: Final = (
-    Column("runs", breaks=True),
+    Column("candidates", breaks=True),
     Column("takes", "right"),
     Column("worst margin", "right"),
     Column("shortened to", "right"),
@@ -76,8 +76,8 @@ def _blocks(result: PlanResult) -> Iterator[Block]:
     elif result.model.require:
         yield Note("warning", plain(f"whether the requirements are met is open: {result.plan.no_accuracy}"))
     yield from _missing_blocks(result)
-    yield from _set_blocks(result)
     yield from _candidate_blocks(result)
+    yield from _set_blocks(result)
     yield from _verdict_blocks(result)
 
 
@@ -131,8 +131,8 @@ def _how_chosen(result: PlanResult, chosen: RankedSet) -> Iterator[Block]:
     lines = []
     if plan.extended is not None:
         lines.append(
-            f"the smallest sets ({counted(plan.found.size, 'run')}) do not meet what is required; the runs "
-            "added, each the one that gains most for its time, do"
+            f"the smallest sets ({counted(plan.found.size, 'run')}) do not meet what is required; runs were "
+            "added, each the one that gains most for its time, and those no longer needed left out"
         )
     if chosen.shortest is not None:
         steps = ", ".join(dict.fromkeys(number(step) for step in chosen.shortest.steps))
@@ -192,7 +192,10 @@ def _set_blocks(result: PlanResult) -> Iterator[Block]:
     yield Table(SET_COLUMNS, tuple(_set_row(one) for one in shown), (Text(SET_LEGEND, "faint"),))
     if len(plan.ranked) > len(shown):
         rest = Table(SET_COLUMNS, tuple(_set_row(one) for one in plan.ranked[SHOWN : 20 * SHOWN]))
-        yield Paragraph(plain(f"and {len(plan.ranked) - len(shown)} more"))
+        more = f"and {len(found.sets) - len(shown)} more"
+        if len(plan.ranked) < len(found.sets):
+            more += f"; margins of the {len(plan.ranked)} shortest were looked at"
+        yield Paragraph(plain(more))
         yield Details((rest,))
 
 
