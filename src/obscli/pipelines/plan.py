@@ -11,8 +11,8 @@ from obscli.core.verification import NotVerified
 from obscli.experiment.accuracy import accuracy
 from obscli.experiment.agreement import verify_together
 from obscli.experiment.informed import Informed, RunInformation, known_value
-from obscli.experiment.planning import RankedSet
 from obscli.experiment.planning import plan as choose
+from obscli.experiment.ranking import RankedSet
 from obscli.experiment.special import at_file
 from obscli.experiment.stacked import proved
 from obscli.experiment.witnessed import witnessed

@@ -8,7 +8,7 @@ from typing import Final
 from obscli.core.number import json_number
 from obscli.core.version import SCHEMA, VERSION
 from obscli.exact.finding import Analysis
-from obscli.experiment.planning import RankedSet
+from obscli.experiment.ranking import RankedSet
 from obscli.pipelines.calibration_data import accuracy_data, required_data
 from obscli.pipelines.certificate_data import covector_to_data
 from obscli.pipelines.numeric_data import verification_data

@@ -14,7 +14,6 @@ from obscli.core.document import (
     Heading,
     Inline,
     Listing,
-    Note,
     Paragraph,
     Table,
     Text,
@@ -31,8 +30,9 @@ from obscli.pipelines.calibration_result import CalibrationResult, RunResult
 from obscli.pipelines.describe.accuracy import accuracy_blocks
 from obscli.pipelines.describe.calibration_verdict import calibration_verdict_blocks
 from obscli.pipelines.describe.formulas import combination, combinations, direction
+from obscli.pipelines.describe.shared import default_note, shared_blocks
 from obscli.pipelines.describe.states import quantity_blocks
-from obscli.pipelines.describe.words import SIGNS, UNDECIDED, names, sign
+from obscli.pipelines.describe.words import SIGNS, UNDECIDED, sign
 
 
 FACT_COLUMNS: Final = (Column(), Column(breaks=True))
@@ -69,7 +69,10 @@ def _blocks(result: CalibrationResult) -> Iterator[Block]:
     yield Heading(1, (Text(result.title),))
     if result.model.title:
         yield Paragraph((Text(result.model.title, "strong"),))
-    yield from shared_blocks(result)
+    yield from shared_blocks(result.exact.shared, result.exact.fresh, result.exact.own)
+    if result.experiment.description:
+        yield Paragraph(plain(result.experiment.description))
+    yield from default_note(result.is_default)
     yield from _run_blocks(result)
     finding = result.exact.stack.finding
     if isinstance(finding, Undecided):
@@ -82,23 +85,6 @@ def _blocks(result: CalibrationResult) -> Iterator[Block]:
         yield from _special_blocks(result.exact.special, result.exact.stack.system)
     yield from accuracy_blocks(result)
     yield from calibration_verdict_blocks(result)
-
-
-def shared_blocks(result: CalibrationResult) -> Iterator[Block]:
-    """Yield which states are taken as shared: the first thing to check."""
-    exact, experiment = result.exact, result.experiment
-    rows = [(line(Text(f"shared ({len(exact.shared)})", "strong")), (names(exact.shared) or plain("none"),))]
-    if exact.fresh:
-        rows.append((line(Text(f"fresh ({len(exact.fresh)})")), (names(exact.fresh),)))
-    caption = "shared: constant, one value in all runs; fresh: starts anew in every run and is eliminated."
-    yield Table(FACT_COLUMNS, tuple(rows), (Text(caption, "faint"),))
-    if experiment.description:
-        yield Paragraph(plain(experiment.description))
-    if result.is_default:
-        yield Note("note", plain("the file has no `experiment`: every stage counts as a run"))
-    for one in exact.own:
-        text = f"{one.name} stands for {one.of} = {one.value} in {', '.join(one.runs)}"
-        yield Note("note", plain(text))
 
 
 def _run_blocks(result: CalibrationResult) -> Iterator[Block]:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from math import comb
 from typing import Final
 
 from obscli.core.document import (
     Block,
-    Cell,
     Column,
     Details,
     Document,
@@ -26,26 +24,16 @@ from obscli.core.number import counted, short
 from obscli.core.number import plain as number
 from obscli.core.verification import Verification
 from obscli.exact.finding import Analysis
-from obscli.experiment.planning import RankedSet
+from obscli.experiment.ranking import RankedSet
 from obscli.pipelines.describe.accuracy import required_blocks
-from obscli.pipelines.describe.formulas import combinations, direction
-from obscli.pipelines.describe.words import names
+from obscli.pipelines.describe.formulas import direction
+from obscli.pipelines.describe.plan_sets import candidate_blocks, set_blocks
+from obscli.pipelines.describe.shared import default_note, shared_blocks
+from obscli.pipelines.describe.words import minutes
 from obscli.pipelines.plan_result import PlanResult
 
 
 SHOWN: Final = 10
-CANDIDATE_COLUMNS: Final = (
-    Column("#", "right"),
-    Column("candidate", breaks=True),
-    Column("lasts", "right"),
-    Column("determines", "right"),
-)
-SET_COLUMNS: Final = (
-    Column("candidates", breaks=True),
-    Column("takes", "right"),
-    Column("worst margin", "right"),
-    Column("shortened to", "right"),
-)
 STEP_COLUMNS: Final = (
     Column("#", "right"),
     Column("run", breaks=True),
@@ -54,10 +42,6 @@ STEP_COLUMNS: Final = (
     Column("to, min", "right"),
 )
 FACT_COLUMNS: Final = (Column(), Column(breaks=True))
-SET_LEGEND: Final = (
-    "takes: all runs at full length, with setting up; worst margin: the smallest of what is required over "
-    "what is reached; shortened to: no run longer than the requirements need."
-)
 
 
 def plan_document(results: Iterable[PlanResult]) -> Document:
@@ -69,30 +53,20 @@ def _blocks(result: PlanResult) -> Iterator[Block]:
     yield Heading(1, (Text(result.title),))
     if result.model.title:
         yield Paragraph((Text(result.model.title, "strong"),))
-    yield from _shared_blocks(result)
+    plan = result.plan
+    yield from shared_blocks(plan.shared, plan.fresh, plan.own)
+    yield from default_note(result.is_default)
+    if plan.left_out:
+        yield Note("note", plain(f"forbidden: {', '.join(plan.left_out)}"))
     yield from _chosen_blocks(result)
     if result.accuracy is not None:
         yield from required_blocks(result.accuracy)
     elif result.model.require:
         yield Note("warning", plain(f"whether the requirements are met is open: {result.plan.no_accuracy}"))
     yield from _missing_blocks(result)
-    yield from _candidate_blocks(result)
-    yield from _set_blocks(result)
+    yield from candidate_blocks(result)
+    yield from set_blocks(result)
     yield from _verdict_blocks(result)
-
-
-def _shared_blocks(result: PlanResult) -> Iterator[Block]:
-    plan = result.plan
-    rows = [(line(Text(f"shared ({len(plan.shared)})", "strong")), (names(plan.shared) or plain("none"),))]
-    if plan.fresh:
-        rows.append((line(Text(f"fresh ({len(plan.fresh)})")), (names(plan.fresh),)))
-    yield Table(FACT_COLUMNS, tuple(rows))
-    if result.is_default:
-        yield Note("note", plain("the file has no `experiment`: every stage counts as a run"))
-    for one in plan.own:
-        yield Note("note", plain(f"{one.name} stands for {one.of} = {one.value} in {', '.join(one.runs)}"))
-    if plan.left_out:
-        yield Note("note", plain(f"forbidden: {', '.join(plan.left_out)}"))
 
 
 def _chosen_blocks(result: PlanResult) -> Iterator[Block]:
@@ -114,12 +88,12 @@ def _chosen_blocks(result: PlanResult) -> Iterator[Block]:
                 line(Text(str(k), "faint")),
                 line(Text(plan.runs[run].name, "name")),
                 line(Text(number(lasts))),
-                line(Text(_minutes(at))),
-                line(Text(_minutes(at + lasts))),
+                line(Text(minutes(at))),
+                line(Text(minutes(at + lasts))),
             )
         )
         at += lasts
-    total = f"{counted(len(chosen.runs), 'run')}, {_minutes(at)} min in all"
+    total = f"{counted(len(chosen.runs), 'run')}, {minutes(at)} min in all"
     setup = f", {number(plan.setup_time)} before each run to set it up" if plan.setup_time else ""
     caption = f"{total}{setup}; minutes if the unit of time is the second."
     yield Table(STEP_COLUMNS, tuple(rows), (Text(caption, "faint"),))
@@ -138,7 +112,7 @@ def _how_chosen(result: PlanResult, chosen: RankedSet) -> Iterator[Block]:
         steps = ", ".join(dict.fromkeys(number(step) for step in chosen.shortest.steps))
         lines.append(
             f"each run is as short as the requirements allow, in steps of {steps}: none can end a step "
-            f"earlier while the others stay; at full length it would take {_minutes(chosen.duration)} min"
+            f"earlier while the others stay; at full length it would take {minutes(chosen.duration)} min"
         )
     elif chosen.margin is not None and not chosen.is_met:
         lines.append("what is required is not met, however many of these runs are made")
@@ -181,85 +155,6 @@ def _suggestion_blocks(result: PlanResult) -> Iterator[Block]:
     yield Details((Paragraph(plain("Tried:")), tried))
 
 
-def _set_blocks(result: PlanResult) -> Iterator[Block]:
-    """Yield the smallest sets, ranked."""
-    plan, found = result.plan, result.plan.found
-    if not found.sets:
-        return
-    yield Heading(2, plain(f"Smallest sets ({counted(found.size, 'run')})"))
-    yield Paragraph(plain(_search(result)))
-    shown = plan.ranked[:SHOWN]
-    yield Table(SET_COLUMNS, tuple(_set_row(one) for one in shown), (Text(SET_LEGEND, "faint"),))
-    if len(plan.ranked) > len(shown):
-        rest = Table(SET_COLUMNS, tuple(_set_row(one) for one in plan.ranked[SHOWN : 20 * SHOWN]))
-        more = f"and {len(found.sets) - len(shown)} more"
-        if len(plan.ranked) < len(found.sets):
-            more += f"; margins of the {len(plan.ranked)} shortest were looked at"
-        yield Paragraph(plain(more))
-        yield Details((rest,))
-
-
-def _search(result: PlanResult) -> str:
-    plan, found = result.plan, result.plan.found
-    n, runs = len(plan.shared), counted(found.size, "run")
-    reach = f"{found.rank} of {n}"
-    finding = plan.stack.finding
-    assert isinstance(finding, Analysis)
-    if found.rank < finding.rank:
-        reach += f" (all candidates together {finding.rank}, but some may not be combined)"
-    if found.exhaustive:
-        every = comb(len(plan.runs), found.size)
-        which = (
-            f"every set of {runs} does"
-            if len(found.sets) == every
-            else f"{len(found.sets)} of {every} sets do"
-        )
-        verb = "is" if found.size == 1 else "are"
-        smaller = (
-            f" No smaller set does: {found.looked_at} sets were tried, modulo a prime."
-            if found.size > 1
-            else ""
-        )
-        return f"{runs} {verb} the fewest that reach {reach}; {which}.{smaller}"
-    guarantee = (
-        "" if found.guarantee is None else f", at most {short(found.guarantee)} times the smallest number"
-    )
-    return f"{runs}, chosen one by one, reach {reach}{guarantee}: too many sets to try all."
-
-
-def _set_row(one: RankedSet) -> tuple[Cell, ...]:
-    margin = Text("–") if one.margin is None else Text(short(one.margin, 3), "good" if one.is_met else "bad")
-    return (
-        line(Text(" ".join(str(k + 1) for k in one.runs))),
-        line(Text(f"{_minutes(one.duration)} min")),
-        line(margin),
-        line(Text("–" if one.shortest is None else f"{_minutes(one.needed)} min")),
-    )
-
-
-def _candidate_blocks(result: PlanResult) -> Iterator[Block]:
-    plan = result.plan
-    yield Heading(2, plain(f"Candidates ({len(plan.runs)})"))
-    rows = tuple(
-        (
-            line(Text(str(k), "faint")),
-            line(Text(one.run.name, "name")),
-            line(Text(number(plan.durations[k - 1]))),
-            line(Text(f"{len(one.rows)} of {len(plan.shared)}")),
-        )
-        for k, one in enumerate(plan.stack.runs, start=1)
-    )
-    yield Table(CANDIDATE_COLUMNS, rows)
-    each = tuple(
-        (
-            line(Text(str(k), "faint")),
-            combinations(one.rows, plan.stack.system) or line(Text("nothing", "faint")),
-        )
-        for k, one in enumerate(plan.stack.runs, start=1)
-    )
-    yield Details((Table((Column("#", "right"), Column("determines", breaks=True)), each),))
-
-
 def _verdict_blocks(result: PlanResult) -> Iterator[Block]:
     yield Heading(2, plain("Verdict"))
     found, stack = result.verification, result.chosen
@@ -285,7 +180,3 @@ def _verdict_blocks(result: PlanResult) -> Iterator[Block]:
             yield VerdictLine("good", plain(f"the plan meets all requirements, {margin}"))
         else:
             yield VerdictLine("bad", plain(f"the plan does not meet all requirements, {margin}"))
-
-
-def _minutes(seconds: float) -> str:
-    return short(seconds / 60, 3)

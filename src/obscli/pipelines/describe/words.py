@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from obscli.core.document import Inline, Role, Text
+from obscli.core.number import short
 from obscli.exact.finding import LinearFormVerdict, StateVerdict
 
 
@@ -28,3 +29,8 @@ def names(items: tuple[str, ...]) -> Inline:
     for item in items:
         content += [Text(" "), Text(item, "name")]
     return tuple(content[1:])
+
+
+def minutes(seconds: float) -> str:
+    """Return a time as minutes, where the unit of time is the second."""
+    return short(seconds / 60, 3)

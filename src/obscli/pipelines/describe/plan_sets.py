@@ -1,0 +1,115 @@
+"""What there is to choose from, and the smallest sets that determine as much as possible."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import comb
+from typing import Final
+
+from obscli.core.document import Block, Cell, Column, Details, Heading, Paragraph, Table, Text, line, plain
+from obscli.core.number import counted, short
+from obscli.core.number import plain as number
+from obscli.exact.finding import Analysis
+from obscli.experiment.ranking import RankedSet
+from obscli.pipelines.describe.formulas import combinations
+from obscli.pipelines.describe.words import minutes
+from obscli.pipelines.plan_result import PlanResult
+
+
+SHOWN: Final = 10
+CANDIDATE_COLUMNS: Final = (
+    Column("#", "right"),
+    Column("candidate", breaks=True),
+    Column("lasts", "right"),
+    Column("determines", "right"),
+)
+SET_COLUMNS: Final = (
+    Column("candidates", breaks=True),
+    Column("takes", "right"),
+    Column("worst margin", "right"),
+    Column("shortened to", "right"),
+)
+SET_LEGEND: Final = (
+    "takes: all runs at full length, with setting up; worst margin: the smallest of what is required over "
+    "what is reached; shortened to: no run longer than the requirements need."
+)
+
+
+def set_blocks(result: PlanResult) -> Iterator[Block]:
+    """Yield the smallest sets, ranked."""
+    plan, found = result.plan, result.plan.found
+    if not found.sets:
+        return
+    yield Heading(2, plain(f"Smallest sets ({counted(found.size, 'run')})"))
+    yield Paragraph(plain(_search(result)))
+    shown = plan.ranked[:SHOWN]
+    yield Table(SET_COLUMNS, tuple(_set_row(one) for one in shown), (Text(SET_LEGEND, "faint"),))
+    if len(plan.ranked) > len(shown):
+        rest = Table(SET_COLUMNS, tuple(_set_row(one) for one in plan.ranked[SHOWN : 20 * SHOWN]))
+        more = f"and {len(found.sets) - len(shown)} more"
+        if len(plan.ranked) < len(found.sets):
+            more += f"; margins of the {len(plan.ranked)} shortest were looked at"
+        yield Paragraph(plain(more))
+        yield Details((rest,))
+
+
+def _search(result: PlanResult) -> str:
+    plan, found = result.plan, result.plan.found
+    n, runs = len(plan.shared), counted(found.size, "run")
+    reach = f"{found.rank} of {n}"
+    finding = plan.stack.finding
+    assert isinstance(finding, Analysis)
+    if found.rank < finding.rank:
+        reach += f" (all candidates together {finding.rank}, but some may not be combined)"
+    if found.exhaustive:
+        every = comb(len(plan.runs), found.size)
+        which = (
+            f"every set of {runs} does"
+            if len(found.sets) == every
+            else f"{len(found.sets)} of {every} sets do"
+        )
+        verb = "is" if found.size == 1 else "are"
+        smaller = (
+            f" No smaller set does: {found.looked_at} sets were tried, modulo a prime."
+            if found.size > 1
+            else ""
+        )
+        return f"{runs} {verb} the fewest that reach {reach}; {which}.{smaller}"
+    guarantee = (
+        "" if found.guarantee is None else f", at most {short(found.guarantee)} times the smallest number"
+    )
+    return f"{runs}, chosen one by one, reach {reach}{guarantee}: too many sets to try all."
+
+
+def _set_row(one: RankedSet) -> tuple[Cell, ...]:
+    margin = Text("–") if one.margin is None else Text(short(one.margin, 3), "good" if one.is_met else "bad")
+    return (
+        line(Text(" ".join(str(k + 1) for k in one.runs))),
+        line(Text(f"{minutes(one.duration)} min")),
+        line(margin),
+        line(Text("–" if one.shortest is None else f"{minutes(one.needed)} min")),
+    )
+
+
+def candidate_blocks(result: PlanResult) -> Iterator[Block]:
+    """Yield what there is to choose from."""
+    plan = result.plan
+    yield Heading(2, plain(f"Candidates ({len(plan.runs)})"))
+    rows = tuple(
+        (
+            line(Text(str(k), "faint")),
+            line(Text(one.run.name, "name")),
+            line(Text(number(plan.durations[k - 1]))),
+            line(Text(f"{len(one.rows)} of {len(plan.shared)}")),
+        )
+        for k, one in enumerate(plan.stack.runs, start=1)
+    )
+    yield Table(CANDIDATE_COLUMNS, rows)
+    each = tuple(
+        (
+            line(Text(str(k), "faint")),
+            combinations(one.rows, plan.stack.system) or line(Text("nothing", "faint")),
+        )
+        for k, one in enumerate(plan.stack.runs, start=1)
+    )
+    yield Details((Table((Column("#", "right"), Column("determines", breaks=True)), each),))
