@@ -127,4 +127,6 @@ def _notes(informed: Informed) -> tuple[str, ...]:
     if informed.other_priors:
         names = ", ".join(informed.other_priors)
         notes.append(f"the runs give different priors for {names}: that of the first run counts")
+    if informed.correlated:
+        notes.append("`noise: P0` correlates what is shared with what starts anew: that is left out")
     return tuple(notes)

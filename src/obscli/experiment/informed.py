@@ -61,6 +61,7 @@ class Informed:
     driven : shared states that `noise: Q` drives, which is left out
     beside : requirements on what the runs do not share
     other_priors : shared states whose prior is not the same in all runs; that of the first counts
+    correlated : whether P₀ correlates what is shared with what starts anew, which is left out
     """
 
     runs: tuple[RunInformation, ...]
@@ -72,6 +73,7 @@ class Informed:
     driven: tuple[str, ...]
     beside: tuple[str, ...]
     other_priors: tuple[str, ...]
+    correlated: bool
 
     def deviation(self, roots: Sequence[Array], *, required: bool = False) -> Array:
         """Return the deviations of all states, or of what is required, given the prior and some roots."""
@@ -104,7 +106,12 @@ def informed(
     for k, run in enumerate(runs, start=1):
         if id(run.system) not in found:
             progress(f"accuracy: {bar(k, len(runs))} {run.name}")
-            found[id(run.system)] = _told(run, names)
+            try:
+                found[id(run.system)] = _told(run, names)
+            except NotComputableError as error:
+                raise NotComputableError(
+                    f"run {run.name}: {error}" if run.system.noise else str(error)
+                ) from None
     model = noise_model(_numeric(runs[0].system)[0], names)
     kept = _indices(runs[0].system, names)
     required, covectors, beside = _required(shared, requirements)
@@ -120,6 +127,7 @@ def informed(
         tuple(name for name in names if any(_is_driven(run.system, name) for run in runs)),
         beside,
         tuple(name for name in names if len({_prior_text(run.system, name) for run in runs}) > 1),
+        bool(np.delete(model.P0[kept], kept, axis=1).any()),
     )
 
 

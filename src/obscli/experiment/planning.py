@@ -30,6 +30,7 @@ class Plan:
     shared, fresh : the states that runs share, and those that start anew
     durations, setup_time : how long each candidate takes, and setting it up
     left_out : candidates that are forbidden by themselves
+    by_default : candidates whose interval the file does not give
     stack : the rows of all candidates
     found : the smallest sets
     ranked : the sets (the shortest, where they are very many) in the order of preference; those behind the
@@ -46,6 +47,7 @@ class Plan:
     durations: tuple[float, ...]
     setup_time: float
     left_out: tuple[str, ...]
+    by_default: tuple[str, ...]
     stack: Stack
     found: SmallestSets
     ranked: tuple[RankedSet, ...]
@@ -92,7 +94,8 @@ def plan(
     stack = _stack(apart, shared, base, progress)
     rows = RowSets(stack.system, [len(one.rows) for one in stack.runs])
     found = smallest_sets(rows, sets, progress)
-    durations = tuple(_duration(run) for run in apart)
+    horizons = [horizon_of(run.system, Wanted()) for run in apart]
+    durations = tuple(one.stop - one.start for one in horizons)
     told, no_accuracy = _informed(apart, stack, requirements, progress)
     ranking = Ranking(told, durations, setup_time, sets, rows, found.rank)
     ranked = ranking.ranked(found.sets, progress)
@@ -107,6 +110,9 @@ def plan(
         durations=durations,
         setup_time=setup_time,
         left_out=tuple(run.name for run in candidates if run.name in left_out),
+        by_default=tuple(
+            run.name for run, one in zip(apart, horizons, strict=True) if one.origin == "default"
+        ),
         stack=stack,
         found=found,
         ranked=ranked,
@@ -126,11 +132,6 @@ def _stack(runs: tuple[Run, ...], shared: tuple[str, ...], base: System, progres
     if not isinstance(stack.finding, Analysis):
         raise NotComputableError(f"undecided: {stack.finding.reason}")
     return stack
-
-
-def _duration(run: Run) -> float:
-    horizon = horizon_of(run.system, Wanted())
-    return horizon.stop - horizon.start
 
 
 def _informed(

@@ -26,11 +26,12 @@ from obscli.core.number import plain as number
 from obscli.exact.finding import Analysis, Undecided
 from obscli.experiment.special import Special
 from obscli.model.system import System
+from obscli.numeric.finding import NumericFinding
 from obscli.pipelines.calibration_result import CalibrationResult, RunResult
 from obscli.pipelines.describe.accuracy import accuracy_blocks
 from obscli.pipelines.describe.calibration_verdict import calibration_verdict_blocks
 from obscli.pipelines.describe.formulas import combination, combinations, direction
-from obscli.pipelines.describe.shared import default_note, shared_blocks
+from obscli.pipelines.describe.shared import default_note, interval_note, shared_blocks
 from obscli.pipelines.describe.states import quantity_blocks
 from obscli.pipelines.describe.words import SIGNS, UNDECIDED, sign
 
@@ -95,6 +96,10 @@ def _run_blocks(result: CalibrationResult) -> Iterator[Block]:
         _run_row(k, one, len(adds[k - 1]) if known else None) for k, one in enumerate(result.runs, start=1)
     )
     yield Table(RUN_COLUMNS, rows, (Text(RUN_LEGEND, "faint"),))
+    by_default = [
+        r.run.name for r in result.runs if isinstance(r.numeric, NumericFinding) and r.numeric.default
+    ]
+    yield from interval_note(by_default)
     yield Heading(2, plain("What each run determines"))
     yield Table(ROW_COLUMNS, tuple(_determines(result)))
 

@@ -28,7 +28,7 @@ from obscli.experiment.ranking import RankedSet
 from obscli.pipelines.describe.accuracy import required_blocks
 from obscli.pipelines.describe.formulas import direction
 from obscli.pipelines.describe.plan_sets import candidate_blocks, set_blocks
-from obscli.pipelines.describe.shared import default_note, shared_blocks
+from obscli.pipelines.describe.shared import default_note, interval_note, shared_blocks
 from obscli.pipelines.describe.words import minutes
 from obscli.pipelines.plan_result import PlanResult
 
@@ -56,6 +56,7 @@ def _blocks(result: PlanResult) -> Iterator[Block]:
     plan = result.plan
     yield from shared_blocks(plan.shared, plan.fresh, plan.own)
     yield from default_note(result.is_default)
+    yield from interval_note(plan.by_default)
     if plan.left_out:
         yield Note("note", plain(f"forbidden: {', '.join(plan.left_out)}"))
     yield from _chosen_blocks(result)

@@ -30,3 +30,10 @@ def default_note(is_default: bool) -> Iterator[Block]:  # noqa: FBT001 - the one
     """Yield the remark that the file has no experiment of its own."""
     if is_default:
         yield Note("note", plain("the file has no `experiment`: every stage counts as a run"))
+
+
+def interval_note(runs: Sequence[str]) -> Iterator[Block]:
+    """Yield the remark that the intervals of some runs are not the file's."""
+    if runs:
+        text = "the file gives no `interval` (20 over the fastest rate is taken) for "
+        yield Note("warning", plain(f"{text}{', '.join(runs)}: durations and deviations rest on that"))
