@@ -1,4 +1,4 @@
-"""The README and docs/verification.md, run: every command of their console blocks prints what stands below it.
+"""The README and pages of docs, run: every command of their console blocks prints what stands below it.
 
 Numbers at rounding level differ from machine to machine: they are compared in magnitude only.
 With OBSCLI_WRITE_README=1 the outputs are written anew.
@@ -7,6 +7,7 @@ With OBSCLI_WRITE_README=1 the outputs are written anew.
 from __future__ import annotations
 
 import itertools
+import json
 import os
 import re
 import shlex
@@ -20,7 +21,8 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
-PAGES = {"README.md": 9, "docs/verification.md": 5}  # and how many commands each shows at least
+# The pages, and how many commands each shows at least.
+PAGES = {"README.md": 11, "docs/verification.md": 5, "docs/calibration.md": 6}
 CONSOLE = re.compile(r"```console\n(.*?)```", re.DOTALL)
 PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
 YAML = re.compile(r"```yaml\n(.*?)```", re.DOTALL)
@@ -143,25 +145,62 @@ def test_every_link_of_the_pages_leads_somewhere():
     assert not broken
 
 
-def test_the_python_block_runs(folder):
-    (code,) = PYTHON.findall(README.read_text(encoding="utf-8"))
+@pytest.mark.parametrize(
+    ("page", "word"), [("README.md", "alpha_w = alpha_omega"), ("docs/calibration.md", "outer_turns")]
+)
+def test_the_python_block_runs(page, word, folder):
+    (code,) = PYTHON.findall((ROOT / page).read_text(encoding="utf-8"))
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=True, encoding="utf-8"
     )
-    assert "alpha_w = alpha_omega" in done.stdout
+    assert word in done.stdout
 
 
 def test_the_smallest_model_is_read(tmp_path):
-    (model,) = YAML.findall(README.read_text(encoding="utf-8"))
+    model, _ = YAML.findall(README.read_text(encoding="utf-8"))
     file = tmp_path / "smallest.yaml"
     file.write_text(model, encoding="utf-8")
     assert "generic rank" in run(f"obscli analyze {file}", tmp_path)
 
 
+def test_files_are_shown_as_they_are():
+    _, experiment = YAML.findall(README.read_text(encoding="utf-8"))
+    assert experiment in (ROOT / "models/ins_calibration/horizontal.yaml").read_text(encoding="utf-8")
+    (table,) = YAML.findall((ROOT / "docs/calibration.md").read_text(encoding="utf-8"))
+    assert table == (ROOT / "docs/figures/leaning_table.yaml").read_text(encoding="utf-8")
+
+
 def test_every_command_and_exit_code_is_named():
     text = README.read_text(encoding="utf-8")
-    for word in ("obscli analyze", "obscli verify", "obscli model list", "| 130 |", "| 4 |"):
+    for word in (
+        "obscli analyze", "obscli verify", "obscli calibrate", "obscli plan", "obscli model list", "| 130 |", "| 4 |"
+    ):  # fmt: skip
         assert word in text
+
+
+def test_every_field_of_the_json_is_explained(folder):
+    """Every key that calibrate and plan write stands in the page, but for what verification.md explains."""
+    page = (ROOT / "docs/calibration.md").read_text(encoding="utf-8")
+    elsewhere = {"numeric", "verification", "certificate", "changes"}
+    named = {"states", "quantities", "standard_deviation", "coefficients"}  # keys below are names of the file
+    for command in ("calibrate", "plan"):
+        found = json.loads(run(f"obscli {command} docs/figures/leaning_table.yaml --format json", folder))
+        missing = {key for key in _keys(found, elsewhere, named) if not re.search(rf"`(\w+\.)*{key}`", page)}
+        assert not missing
+
+
+def _keys(value, elsewhere, named):
+    if isinstance(value, list):
+        for item in value:
+            yield from _keys(item, elsewhere, named)
+    if isinstance(value, dict):
+        for key, below in value.items():
+            yield key
+            if key in named and isinstance(below, dict):
+                for item in below.values():
+                    yield from _keys(item, elsewhere, named)
+            elif key not in elsewhere:
+                yield from _keys(below, elsewhere, named)
 
 
 def test_ci_calls_the_test_command_of_the_readme():

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from obscli.api import (
         AnalyzeReport,
         CalibrateReport,
+        PlanReport,
         VerifyReport,
         analyze,
         calibrate,
@@ -56,7 +57,6 @@ if TYPE_CHECKING:
         verify,
     )
     from obscli.core.place import ModelError
-    from obscli.pipelines.plan import PlanReport
     from obscli.pipelines.request import AnalyzeRequest, CalibrateRequest, Changes, PlanRequest
 
 
@@ -88,7 +88,7 @@ _HOMES = {
     "CalibrateRequest": "obscli.pipelines.request",
     "Changes": "obscli.pipelines.request",
     "ModelError": "obscli.core.place",
-    "PlanReport": "obscli.pipelines.plan",
+    "PlanReport": "obscli.api",
     "PlanRequest": "obscli.pipelines.request",
     "VerifyReport": "obscli.api",
     "analyze": "obscli.api",

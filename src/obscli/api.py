@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from obscli.core.report import Report
 from obscli.model.system import Model
 from obscli.pipelines import analyze as analyze_pipeline
 from obscli.pipelines import calibrate as calibrate_pipeline
-from obscli.pipelines import verify_report
+from obscli.pipelines import plan_report, verify_report
 from obscli.pipelines.reading import load as load_changed
 from obscli.pipelines.request import (
     AnalyzeRequest,
@@ -30,9 +30,6 @@ from obscli.pipelines.request import (
 )
 from obscli.render.format import Surface
 
-
-if TYPE_CHECKING:
-    from obscli.pipelines.plan import PlanReport
 
 Source: TypeAlias = str | Path | Model
 
@@ -61,6 +58,11 @@ class AnalyzeReport(analyze_pipeline.AnalyzeReport, Shown):
 @dataclass(frozen=True, slots=True, eq=False)
 class CalibrateReport(calibrate_pipeline.CalibrateReport, Shown):
     """What ``calibrate`` found: ``results`` with ``exact``, ``accuracy``; ``document()``; ``data()``."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanReport(plan_report.PlanReport, Shown):
+    """What ``plan`` chose: ``results`` with ``plan``, ``accuracy``; ``document()``; ``data()``."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -161,7 +163,8 @@ def plan(
     """
     from obscli.pipelines import plan as plan_pipeline  # noqa: PLC0415 - floating point only where it is used
 
-    return plan_pipeline.plan(_read(model, changes), request, changes, progress)
+    found = plan_pipeline.plan(_read(model, changes), request, changes, progress)
+    return PlanReport(found.results, found.changes)
 
 
 def _read(model: Source, changes: Changes) -> Model:

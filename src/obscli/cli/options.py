@@ -119,6 +119,37 @@ OnlyOption: TypeAlias = Annotated[
         help="Exact algebra alone, the Gramian alone (no algebra), or only how the two compare.",
     ),
 ]
+MoreOption: TypeAlias = Annotated[
+    bool,
+    typer.Option("--details", help="Show every instant, every combination, and what was tried."),
+]
+StepErrorOption: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        "--rtol",
+        callback=_step_error,
+        metavar="X",
+        help="Relative step error of the Gramians. Default: 1e-14.",
+    ),
+]
+RunFixOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--fix",
+        metavar="NAME=EXPRESSION",
+        help="Substitute exactly in every run, e.g. omega_ie=0 (repeatable).",
+    ),
+]
+RunSamplesOption: TypeAlias = Annotated[
+    int | None,
+    typer.Option(
+        "--samples",
+        min=1,
+        max=100_000,
+        metavar="N",
+        help="Number of instants at which Gramians are looked at.",
+    ),
+]
 RunOption: TypeAlias = Annotated[
     list[str] | None,
     typer.Option("--run", metavar="NAME", help="Only this run (repeatable). Default: every run."),

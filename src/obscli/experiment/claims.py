@@ -50,7 +50,7 @@ def _about_shared(claim: Claim, shared: Sequence[str]) -> tuple[Claim, list[Chec
     kept = frozenset(shared)
     wrong = [
         CheckResult(
-            f"{one.text or one.name}: shared states only",
+            f"{one.text or one.name} is a combination of shared states",
             "fails",
             f"{', '.join(sorted(one.coefficients.keys() - kept))} starts anew in every run",
             one.place,
@@ -59,7 +59,7 @@ def _about_shared(claim: Claim, shared: Sequence[str]) -> tuple[Claim, list[Chec
         if not kept.issuperset(one.coefficients)
     ]
     wrong += [
-        CheckResult(f"{name}: shared states only", "fails", f"{name} starts anew in every run", place)
+        CheckResult(f"{name} is shared", "fails", f"{name} starts anew in every run", place)
         for name, (_, place) in claim.states.items()
         if name not in kept
     ]

@@ -30,6 +30,7 @@ class Plan:
     shared, fresh : the states that runs share, and those that start anew
     durations, setup_time : how long each candidate takes, and setting it up
     left_out : candidates that are forbidden by themselves
+    not_together : sets of candidates of which not all may be chosen
     by_default : candidates whose interval the file does not give
     stack : the rows of all candidates
     found : the smallest sets
@@ -47,6 +48,7 @@ class Plan:
     durations: tuple[float, ...]
     setup_time: float
     left_out: tuple[str, ...]
+    not_together: tuple[tuple[str, ...], ...]
     by_default: tuple[str, ...]
     stack: Stack
     found: SmallestSets
@@ -110,6 +112,7 @@ def plan(
         durations=durations,
         setup_time=setup_time,
         left_out=tuple(run.name for run in candidates if run.name in left_out),
+        not_together=tuple(tuple(apart[k].name for k in sorted(one)) for one in sets),
         by_default=tuple(
             run.name for run, one in zip(apart, horizons, strict=True) if one.origin == "default"
         ),

@@ -12,12 +12,12 @@ from obscli.core.number import bar
 from obscli.exact.row_sets import RowSets
 from obscli.experiment.durations import Durations, shortest
 from obscli.experiment.informed import Informed
+from obscli.experiment.limits import MOST_ADDED
 from obscli.experiment.stacked import Progress
 
 
-#: Sets whose durations are shortened; runs of a plan that needs more than the smallest set.
+#: Sets whose durations are shortened.
 SHORTENED: Final = 12
-MOST_RUNS: Final = 60
 
 #: Sets whose margins are looked at; of more, the shortest. So often it is told.
 MOST_RANKED: Final = 4000
@@ -119,7 +119,7 @@ class Ranking:
         if self._told is None or not ranked or ranked[0].is_met or not ranked[0].margin:
             return None
         runs = ranked[0].runs
-        while len(runs) < MOST_RUNS:
+        while len(runs) < MOST_ADDED:
             progress(f"more runs, until what is required is met: {len(runs) + 1}")
             options = [k for k in range(len(self._durations)) if self._may_join(k, runs)]
             before = self._margin(runs)

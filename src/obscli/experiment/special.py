@@ -16,6 +16,7 @@ from obscli.exact.finding import Analysis, CriticalValue, Undecided
 from obscli.exact.nominal import vanishes_at_nominal
 from obscli.experiment.stacked import Progress, Stack, proved
 from obscli.model.expression import Expression, symbols
+from obscli.model.notation import to_text
 from obscli.model.specialise import Specialisation, at_nominal
 from obscli.model.system import Covector, Run, System
 
@@ -73,7 +74,16 @@ def _candidates(values: Sequence[CriticalValue]) -> list[CriticalValue]:
     for one in values:
         if one.kind != "excluded" and not one.functions:
             found.setdefault(one.condition, one)
-    return list(found.values())
+    return [one for one in found.values() if not any(_is_part(one, other) for other in found.values())]
+
+
+def _is_part(one: CriticalValue, other: CriticalValue) -> bool:
+    """Whether a condition is contained in another one: lean = pi in sin(lean) = 0."""
+    mine, theirs = (
+        {tuple((name, to_text(value)) for name, value in values.items()) for values in each.values}
+        for each in (one, other)
+    )
+    return one is not other and bool(mine) and mine < theirs
 
 
 def _tried(whole: Stack, shared: Sequence[str], candidate: CriticalValue) -> CriticalValue | None:

@@ -23,6 +23,7 @@ from typing import TypeAlias
 from obscli.exact.analysis import Options, analyze
 from obscli.exact.finding import Analysis, StateVerdict, Undecided
 from obscli.exact.without import rows_without
+from obscli.model.expression import symbols
 from obscli.model.system import Covector, Matrix, Output, Parameter, Quantity, Run, System
 
 
@@ -98,7 +99,7 @@ def analysed(
         finding = analyze(run.system, options, lambda step: progress(f"{run.name}: {step}"))
         if isinstance(finding, Undecided):
             return RunRows(run, (), finding.reason, finding)
-        return RunRows(run, _constant_rows(finding, kept), "", finding)
+        return replace(_told_by(run, _constant_rows(finding, kept)), finding=finding)
 
     found = _each_once(runs, rows_of)
     progress("all runs together")
@@ -124,7 +125,7 @@ def proved(
     def rows_of(run: Run) -> RunRows:
         told(place[id(run)], run.name)
         rows = rows_without(run.system, [name for name in run.system.state_names if name not in kept])
-        return RunRows(run, (), rows.reason) if isinstance(rows, Undecided) else RunRows(run, rows)
+        return RunRows(run, (), rows.reason) if isinstance(rows, Undecided) else _told_by(run, rows)
 
     return stacked(_each_once(runs, rows_of), shared, Options(critical=False), base)
 
@@ -138,6 +139,16 @@ def _each_once(runs: Sequence[Run], rows_of: Callable[[Run], RunRows]) -> tuple[
             known[id(run.system)] = rows_of(run)
         found.append(replace(known[id(run.system)], run=run))
     return tuple(found)
+
+
+def _told_by(run: Run, rows: tuple[Covector, ...]) -> RunRows:
+    """Return the rows; undecided where a function without a value is in them, that stands still in it."""
+    functions = {one.name for one in run.system.functions}
+    inside = sorted(functions & symbols(*(entry for row in rows for entry in row.values())))
+    if not inside:
+        return RunRows(run, rows)
+    names = ", ".join(inside)
+    return RunRows(run, (), f"what it determines depends on {names}, constant there: give a value with `fix`")
 
 
 def _constant_rows(finding: Analysis, shared: frozenset[str]) -> tuple[Covector, ...]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import permutations, product
 from typing import Final, TypeAlias
 
@@ -18,9 +19,21 @@ from obscli.core.number import bar
 from obscli.exact.finding import Undecided
 from obscli.exact.row_sets import RowSets
 from obscli.exact.without import rows_without
+from obscli.experiment.limits import MOST_VARIED
 from obscli.experiment.own_symbols import unused_name
 from obscli.experiment.stacked import RunRows, static_system
-from obscli.model.expression import Expression, Symbol, negate
+from obscli.model.expression import (
+    ZERO,
+    Apply,
+    Expression,
+    Pi,
+    Symbol,
+    multiply,
+    negate,
+    number,
+    postorder,
+    symbols,
+)
 from obscli.model.specialise import Specialisation
 from obscli.model.system import Parameter, Run, System
 from obscli.numeric.program import constant_value
@@ -28,10 +41,17 @@ from obscli.numeric.program import constant_value
 
 Progress: TypeAlias = Callable[[str], None]
 
-#: Variants of runs that are tried; candidates that are varied; so many kinds that determine all are enough.
+#: Variants of runs that are tried; so many kinds that determine all are enough.
 MOST_TRIALS: Final = 400
-MOST_RUNS: Final = 6
 ENOUGH: Final = 3
+
+#: Angles at which parameters in sines and cosines are tried.
+RIGHT_ANGLES: Final[Mapping[str, Expression]] = {
+    "0": ZERO,
+    "pi/2": multiply(number(Fraction(1, 2)), Pi()),
+    "pi": Pi(),
+    "-pi/2": multiply(number(Fraction(-1, 2)), Pi()),
+}
 
 #: Decimals to which a matrix has to be a rotation.
 _ROTATION: Final = 1e-9
@@ -56,7 +76,7 @@ def suggestions(
     runs : the candidates with their rows
     shared : the states that they share
     """
-    bases = _different(runs)[:MOST_RUNS]
+    bases = _different(runs)[:MOST_VARIED]
     kinds = list(_kinds([one.run for one in bases]))
     kinds = kinds[: max(MOST_TRIALS // len(bases), 1)]
     rank, whole = _rank(runs, (), shared), len(shared)
@@ -106,7 +126,7 @@ def _kinds(runs: Sequence[Run]) -> Iterator[tuple[str, Change]]:
     """Yield every kind of change in words, and as what makes the system: signs and half turns first."""
     system = runs[0].system
     turns = [
-        (f"{words} ({name})", _turn(name, matrix))
+        (f"{words} (in `{name}`)", _turn(name, matrix))
         for name in orientations(system)
         for words, matrix in _turns()
     ]
@@ -115,9 +135,24 @@ def _kinds(runs: Sequence[Run]) -> Iterator[tuple[str, Change]]:
         if parameter.assume != "positive":
             yield f"{parameter.name} with the opposite sign", _with(parameter, negate(Symbol(parameter.name)))
     yield from halves
+    for parameter in _angles(system):
+        for text, value in RIGHT_ANGLES.items():
+            yield f"{parameter.name} = {text}", _with(parameter, value)
     yield from (one for one in turns if one not in halves)
     for parameter in system.parameters:
-        yield f"another value of {parameter.name}", _with(parameter, None)
+        yield f"another generic value of {parameter.name}", _with(parameter, None)
+
+
+def _angles(system: System) -> list[Parameter]:
+    """Return the parameters that stand in a sine or cosine without the time."""
+    roots = [*system.A.entries.values(), *system.H.entries.values()]
+    arguments = [
+        node.argument
+        for node in postorder(*roots)
+        if isinstance(node, Apply) and node.function in {"sin", "cos"}
+    ]
+    still = [symbols(one) for one in arguments if system.time not in symbols(one)]
+    return [one for one in system.parameters if any(one.name in names for names in still)]
 
 
 def _turn(name: str, matrix: str) -> Change:

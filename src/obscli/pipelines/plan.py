@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from obscli.core.document import Document
-from obscli.core.figure import Figure
 from obscli.core.verification import NotVerified
 from obscli.experiment.accuracy import accuracy
 from obscli.experiment.agreement import verify_together
@@ -19,42 +16,10 @@ from obscli.experiment.witnessed import witnessed
 from obscli.model.system import Experiment, Model
 from obscli.numeric.errors import NotComputableError
 from obscli.pipelines.calibrate import chosen_runs, experiment_of
-from obscli.pipelines.describe.plan import plan_document
-from obscli.pipelines.describe.plan_figures import plan_figures
 from obscli.pipelines.numerical import Looks, settings_of
-from obscli.pipelines.plan_data import plan_data
+from obscli.pipelines.plan_report import PlanReport
 from obscli.pipelines.plan_result import PlanResult
 from obscli.pipelines.request import Changes, PlanRequest, Progress, RequestError, silent
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlanReport:
-    """The plan for one model, and the changes under which it was read."""
-
-    results: tuple[PlanResult, ...]
-    changes: Changes
-
-    @property
-    def failed(self) -> int:
-        """How many plans are contradicted by the Gramians, or do not meet what is required."""
-        return sum(result.failed for result in self.results)
-
-    @property
-    def undecided(self) -> int:
-        """How many plans stayed unchecked."""
-        return sum(result.undecided for result in self.results)
-
-    def document(self) -> Document:
-        """Return the report for a reader."""
-        return plan_document(self.results)
-
-    def figures(self) -> Iterable[Figure]:
-        """Return the figures: what each candidate determines, deviations over the plan."""
-        return plan_figures(self.results)
-
-    def data(self) -> Mapping[str, object]:
-        """Return the report for a program."""
-        return plan_data(self.results, self.changes)
 
 
 def plan(

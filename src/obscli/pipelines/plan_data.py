@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from obscli.core.number import json_number
 from obscli.core.version import SCHEMA, VERSION
 from obscli.exact.finding import Analysis
-from obscli.experiment.ranking import RankedSet
 from obscli.pipelines.calibration_data import accuracy_data, required_data
 from obscli.pipelines.certificate_data import covector_to_data
 from obscli.pipelines.numeric_data import verification_data
 from obscli.pipelines.plan_result import PlanResult
 from obscli.pipelines.request import Changes
 
+
+if TYPE_CHECKING:
+    from obscli.experiment.ranking import RankedSet
 
 #: Sets written at the most; their number is always there.
 MOST_SETS: Final = 2000
@@ -50,6 +52,7 @@ def _result(result: PlanResult) -> dict[str, object]:
                 for one, duration in zip(plan.stack.runs, plan.durations, strict=True)
             ],
             "forbidden": list(plan.left_out),
+            "forbidden_sets": [list(one) for one in plan.not_together],
             "setup_time": json_number(plan.setup_time),
             "rank": found.rank,
             "rank_of_all": finding.rank if isinstance(finding, Analysis) else None,

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from obscli.core.verification import NotVerified, Verification
-from obscli.experiment.accuracy import Accuracy
-from obscli.experiment.planning import Plan
 from obscli.experiment.stacked import Stack
 from obscli.model.system import Experiment, Model
+
+
+if TYPE_CHECKING:
+    from obscli.experiment.accuracy import Accuracy
+    from obscli.experiment.planning import Plan
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,7 +39,8 @@ class PlanResult:
     @property
     def title(self) -> str:
         """The name of the model, and of the experiment where it has one."""
-        name = self.experiment.name
+        chosen_from_runs = self.experiment.plan is None or self.experiment.plan.candidates is None
+        name = self.experiment.name if chosen_from_runs else ""
         return f"{self.model.name} · {name} · plan" if name else f"{self.model.name} · plan"
 
     @property

@@ -42,7 +42,8 @@ def verify_experiment(model: Model, request: NumericRequest, progress: Progress)
         agreed(verification, "the Gramians of all runs together agree with it"),
         *check_experiment_claims(model.claims, subject),
     )
-    return StageChecks(model, stack.system, checks, verification)
+    system = replace(stack.system, stage=experiment.name or "experiment")
+    return StageChecks(model, system, checks, verification)
 
 
 def _matrix(stack: Stack) -> str:
@@ -60,4 +61,6 @@ def _run_checks(stack: Stack, look: Looks) -> Iterator[CheckResult]:
         found = certified(one.run.system, one.finding)
         yield replace(found, claim=f"run {one.run.name}: {found.claim}, {len(one.rows)} rows of M")
         numeric = look.numeric(one.run.system)
-        yield agreed(verify_analysis(one.finding, numeric), f"run {one.run.name}: the Gramian agrees with it")
+        yield agreed(
+            verify_analysis(one.finding, numeric), f"run {one.run.name}: the Gramian agrees with its analysis"
+        )

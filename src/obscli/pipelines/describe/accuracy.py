@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from obscli.core.document import Block, Cell, Column, Heading, Note, Paragraph, Table, Text, line, plain
 from obscli.core.number import short
 from obscli.pipelines.calibration_result import CalibrationResult
-from obscli.pipelines.describe.words import names
+from obscli.pipelines.describe.words import names, ratio
 
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def _margin(one: Required | None) -> tuple[Cell, ...]:
     if one is None:
         return (line(Text("–")), line(Text("–")), line(Text("")))
     met = Text("✓", "good") if one.is_met else Text("✗", "bad")
-    return (line(Text(_short(one.required))), line(Text(_short(one.margin))), line(met))
+    return (line(Text(_short(one.required))), line(Text(ratio(one.margin))), line(met))
 
 
 def _required(one: Required) -> tuple[Cell, ...]:

@@ -32,7 +32,7 @@ from obscli.pipelines.describe.accuracy import accuracy_blocks
 from obscli.pipelines.describe.calibration_verdict import calibration_verdict_blocks
 from obscli.pipelines.describe.formulas import combination, combinations, direction
 from obscli.pipelines.describe.shared import default_note, interval_note, shared_blocks
-from obscli.pipelines.describe.states import quantity_blocks
+from obscli.pipelines.describe.states import DETERMINED, quantity_blocks
 from obscli.pipelines.describe.words import SIGNS, UNDECIDED, sign
 
 
@@ -82,7 +82,7 @@ def _blocks(result: CalibrationResult) -> Iterator[Block]:
         yield from _together_blocks(result, finding)
         yield from _constant_blocks(result, finding)
         yield from _missing_blocks(finding)
-        yield from quantity_blocks(finding)
+        yield from quantity_blocks(finding, DETERMINED)
         yield from _special_blocks(result.exact.special, result.exact.stack.system)
     yield from accuracy_blocks(result)
     yield from calibration_verdict_blocks(result)
@@ -164,7 +164,7 @@ def _constant_blocks(result: CalibrationResult, finding: Analysis) -> Iterator[B
     yield Table(columns, rows, (Text(legend, "faint"),))
 
 
-WORDS: Final = ("determined", "only in combination", "not at all")
+WORDS: Final = ("determined", "only in combination", "in no combination of shared states")
 
 
 def _signs(result: CalibrationResult, state: str) -> Inline:

@@ -52,7 +52,7 @@ def verdict_map(result: CalibrationResult) -> HeatMap:
         tuple(one.run.name for one in result.runs),
         tuple(tuple(None if v is None else SHADES[v] for v in row) for row in verdicts),
         tuple(tuple("?" if v is None else WORDS[v] for v in row) for row in verdicts),
-        "dark: determined; grey: only in combination; white: not at all",
+        "dark: determined; grey: only in combination; white: in no combination of shared states",
     )
 
 
@@ -69,7 +69,7 @@ def gain_map(result: CalibrationResult) -> HeatMap:
         tuple(one.run.name for one in result.runs),
         tuple(tuple(None if g is None else _shade(g, largest) for g in row) for row in gains),
         tuple(tuple("–" if g is None else short(g, 3) for g in row) for row in gains),
-        f"dark: {short(largest, 3)} times better (logarithmic); white: no better; –: no prior to compare",
+        f"dark: {round(largest)} times better (logarithmic); white: no better; –: no prior to compare",
     )
 
 
@@ -94,9 +94,13 @@ def deviation_figures(title: str, states: Sequence[State], time: str, found: Acc
         yield Figure(
             f"{title}-deviations{part}",
             f"{title}: standard deviations over the runs",
-            f"{time} since the start of the first run",
+            f"{time} since the start of the first run, without setting up",
             tuple(panels[k : k + PANELS]),
         )
+
+
+def _names(states: Sequence[State], indices: list[int]) -> str:
+    return " ".join(states[j].name for j in indices)
 
 
 def _panel(states: Sequence[State], found: Accuracy, indices: list[int], required: dict[str, float]) -> Panel:
@@ -111,7 +115,7 @@ def _panel(states: Sequence[State], found: Accuracy, indices: list[int], require
     curves += [Curve("required", (times[0], times[-1]), (value, value), "limit") for value in asked]
     first = states[indices[0]]
     unit = f" [{first.unit}]" if first.unit else ""
-    return Panel(first.vector or first.name, f"σ{unit}", tuple(curves), logarithmic=True)
+    return Panel(_names(states, indices), f"σ{unit}", tuple(curves), logarithmic=True)
 
 
 STYLES: Final = ("main", "reference", "one of many")

@@ -25,6 +25,7 @@ from obscli.core.verification import NotVerified, Verification
 from obscli.exact.finding import Analysis, Undecided
 from obscli.pipelines.calibration_result import CalibrationResult, RunResult
 from obscli.pipelines.describe.verification import KINDS, comparison_blocks
+from obscli.pipelines.describe.words import ratio
 
 
 CHECK_COLUMNS: Final = (
@@ -53,7 +54,7 @@ def calibration_verdict_blocks(result: CalibrationResult) -> Iterator[Block]:
         rows.append(_row("all", result.verification))
         yield Table(CHECK_COLUMNS, tuple(rows), (Text(LEGEND, "faint"),))
         for label, found in _worth_a_look(result):
-            yield Paragraph(plain(f"{label}: {found.diagnosis}"))
+            yield Paragraph(plain(f"{label}: {found.diagnosis.replace('observable', 'determined')}"))
             yield Details(tuple(comparison_blocks(found)))
     yield Heading(2, plain("Verdict"))
     for kind, text in _verdicts(result):
@@ -165,7 +166,7 @@ def _required_verdict(result: CalibrationResult) -> tuple[Kind, str]:
     required, worst = result.accuracy.required, result.accuracy.worst
     assert worst is not None
     failed = [one for one in required if not one.is_met]
-    margin = f"worst margin {short(worst.margin, 3)} ({worst.name})"
+    margin = f"worst margin {ratio(worst.margin)} ({worst.name})"
     if failed:
         return "bad", f"{len(failed)} of {counted(len(required), 'requirement')} not met, {margin}"
     everything = "the requirement is" if len(required) == 1 else f"all {len(required)} requirements are"
@@ -185,8 +186,8 @@ def _advice(result: CalibrationResult) -> Iterator[str]:
             "which kind of run would, and finds the smallest sets of runs."
         )
     elif idle and len(result.runs) > 1:
-        runs = "run" if len(idle) == 1 else "runs"
+        runs, does = ("run", "determines") if len(idle) == 1 else ("runs", "determine")
         yield (
-            f"{runs} {', '.join(idle)}: nothing that the runs before do not determine; only the accuracy "
-            "gains. `obscli plan` finds the smallest sets of runs."
+            f"{runs} {', '.join(idle)} {does} nothing new, only the accuracy gains. `obscli plan` finds the "
+            "smallest sets of runs."
         )

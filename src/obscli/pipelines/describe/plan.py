@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from obscli.core.document import (
     Block,
@@ -20,24 +20,27 @@ from obscli.core.document import (
     line,
     plain,
 )
-from obscli.core.number import counted, short
+from obscli.core.number import counted
 from obscli.core.number import plain as number
 from obscli.core.verification import Verification
 from obscli.exact.finding import Analysis
-from obscli.experiment.ranking import RankedSet
+from obscli.experiment.limits import MOST_ADDED, MOST_VARIED
 from obscli.pipelines.describe.accuracy import required_blocks
 from obscli.pipelines.describe.formulas import direction
 from obscli.pipelines.describe.plan_sets import candidate_blocks, set_blocks
 from obscli.pipelines.describe.shared import default_note, interval_note, shared_blocks
-from obscli.pipelines.describe.words import minutes
+from obscli.pipelines.describe.words import minutes, ratio
 from obscli.pipelines.plan_result import PlanResult
 
+
+if TYPE_CHECKING:
+    from obscli.experiment.ranking import RankedSet
 
 SHOWN: Final = 10
 STEP_COLUMNS: Final = (
     Column("#", "right"),
     Column("run", breaks=True),
-    Column("lasts", "right"),
+    Column("lasts, min", "right"),
     Column("from, min", "right"),
     Column("to, min", "right"),
 )
@@ -59,6 +62,8 @@ def _blocks(result: PlanResult) -> Iterator[Block]:
     yield from interval_note(plan.by_default)
     if plan.left_out:
         yield Note("note", plain(f"forbidden: {', '.join(plan.left_out)}"))
+    for together in plan.not_together:
+        yield Note("note", plain(f"not together: {', '.join(together)}"))
     yield from _chosen_blocks(result)
     if result.accuracy is not None:
         yield from required_blocks(result.accuracy)
@@ -88,14 +93,14 @@ def _chosen_blocks(result: PlanResult) -> Iterator[Block]:
             (
                 line(Text(str(k), "faint")),
                 line(Text(plan.runs[run].name, "name")),
-                line(Text(number(lasts))),
+                line(Text(minutes(lasts))),
                 line(Text(minutes(at))),
                 line(Text(minutes(at + lasts))),
             )
         )
         at += lasts
     total = f"{counted(len(chosen.runs), 'run')}, {minutes(at)} min in all"
-    setup = f", {number(plan.setup_time)} before each run to set it up" if plan.setup_time else ""
+    setup = f", {minutes(plan.setup_time)} min before each run to set it up" if plan.setup_time else ""
     caption = f"{total}{setup}; minutes if the unit of time is the second."
     yield Table(STEP_COLUMNS, tuple(rows), (Text(caption, "faint"),))
     yield from _how_chosen(result, chosen)
@@ -116,7 +121,7 @@ def _how_chosen(result: PlanResult, chosen: RankedSet) -> Iterator[Block]:
             f"earlier while the others stay; at full length it would take {minutes(chosen.duration)} min"
         )
     elif chosen.margin is not None and not chosen.is_met:
-        lines.append("what is required is not met, however many of these runs are made")
+        lines.append(f"no plan tried (up to {MOST_ADDED} runs) meets what is required")
     if lines:
         yield Listing(tuple(plain(one) for one in lines))
 
@@ -126,11 +131,10 @@ def _missing_blocks(result: PlanResult) -> Iterator[Block]:
     plan = result.plan
     finding = plan.stack.finding
     assert isinstance(finding, Analysis)
-    n = len(plan.shared)
     if not finding.unobservable:
         return
     count = counted(len(finding.unobservable), "direction")
-    yield Heading(2, plain(f"What no candidate can determine ({count} of {n})"))
+    yield Heading(2, plain(f"What no candidate can determine ({count})"))
     rows = tuple(
         (line(Text(str(k), "faint")), line(direction(one, finding.system)))
         for k, one in enumerate(finding.unobservable, 1)
@@ -143,14 +147,16 @@ def _missing_blocks(result: PlanResult) -> Iterator[Block]:
 def _suggestion_blocks(result: PlanResult) -> Iterator[Block]:
     plan, n = result.plan, len(result.plan.shared)
     if plan.suggestions:
-        yield Paragraph(plain("Which kind of run would, all candidates done again with it:"))
+        yield Paragraph(
+            plain(f"With such runs added to the candidates (at most {MOST_VARIED} varied), modulo a prime:")
+        )
         rows = tuple(
             (line(Text(one.words)), line(Text(f"{one.rank} of {n}"))) for one in plan.suggestions[:SHOWN]
         )
-        yield Table((Column(breaks=True), Column("then", "right")), rows)
+        yield Table((Column(breaks=True), Column("rank", "right")), rows)
     elif plan.tried:
         yield Paragraph(
-            plain(f"None of the {len(plan.tried)} kinds of runs tried would: turned bodies, signs, values.")
+            plain(f"None of the {len(plan.tried)} kinds of runs tried would: turned bodies, signs, angles, …")
         )
     tried = Listing(tuple(plain(one) for one in plan.tried))
     yield Details((Paragraph(plain("Tried:")), tried))
@@ -176,7 +182,7 @@ def _verdict_blocks(result: PlanResult) -> Iterator[Block]:
         yield VerdictLine("open", plain(f"{proof}; not checked against the Gramians{reason}"))
     if result.accuracy is not None and result.accuracy.worst is not None:
         worst = result.accuracy.worst
-        margin = f"worst margin {short(worst.margin, 3)} ({worst.name})"
+        margin = f"worst margin {ratio(worst.margin)} ({worst.name})"
         if worst.is_met:
             yield VerdictLine("good", plain(f"the plan meets all requirements, {margin}"))
         else:

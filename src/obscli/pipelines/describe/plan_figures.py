@@ -30,5 +30,5 @@ def _map(result: PlanResult) -> HeatMap:
         tuple(f"{k} {one.run.name}" for k, one in enumerate(runs, start=1)),
         tuple(tuple(SHADES[verdict] for verdict in row) for row in verdicts),
         tuple(tuple(WORDS[verdict] for verdict in row) for row in verdicts),
-        "dark: determined; grey: only in combination; white: not at all",
+        "dark: determined; grey: only in combination; white: in no combination of shared states",
     )

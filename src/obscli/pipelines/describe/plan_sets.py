@@ -4,34 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import comb
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from obscli.core.document import Block, Cell, Column, Details, Heading, Paragraph, Table, Text, line, plain
+from obscli.core.document import (
+    Block,
+    Cell,
+    Column,
+    Details,
+    Heading,
+    Paragraph,
+    Role,
+    Table,
+    Text,
+    line,
+    plain,
+)
 from obscli.core.number import counted, short
-from obscli.core.number import plain as number
 from obscli.exact.finding import Analysis
-from obscli.experiment.ranking import RankedSet
 from obscli.pipelines.describe.formulas import combinations
-from obscli.pipelines.describe.words import minutes
+from obscli.pipelines.describe.words import minutes, ratio
 from obscli.pipelines.plan_result import PlanResult
 
+
+if TYPE_CHECKING:
+    from obscli.experiment.ranking import RankedSet
 
 SHOWN: Final = 10
 CANDIDATE_COLUMNS: Final = (
     Column("#", "right"),
     Column("candidate", breaks=True),
-    Column("lasts", "right"),
+    Column("lasts, min", "right"),
     Column("determines", "right"),
 )
-SET_COLUMNS: Final = (
-    Column("candidates", breaks=True),
-    Column("takes", "right"),
-    Column("worst margin", "right"),
-    Column("shortened to", "right"),
-)
-SET_LEGEND: Final = (
-    "takes: all runs at full length, with setting up; worst margin: the smallest of what is required over "
-    "what is reached; shortened to: no run longer than the requirements need."
+SET_COLUMNS: Final = (Column("candidates", breaks=True), Column("takes, min", "right"))
+MARGIN_COLUMNS: Final = (Column("worst margin", "right"), Column("shortened to, min", "right"))
+TAKES: Final = "takes: all runs at full length, with setting up"
+MARGIN: Final = (
+    "; worst margin: the smallest of what is required over what is reached; shortened to: no run longer than "
+    "the requirements need"
 )
 
 
@@ -43,9 +53,12 @@ def set_blocks(result: PlanResult) -> Iterator[Block]:
     yield Heading(2, plain(f"Smallest sets ({counted(found.size, 'run')})"))
     yield Paragraph(plain(_search(result)))
     shown = plan.ranked[:SHOWN]
-    yield Table(SET_COLUMNS, tuple(_set_row(one) for one in shown), (Text(SET_LEGEND, "faint"),))
+    asked = shown[0].margin is not None
+    columns = (*SET_COLUMNS, *MARGIN_COLUMNS) if asked else SET_COLUMNS
+    legend = f"{TAKES}{MARGIN if asked else ''}."
+    yield Table(columns, tuple(_set_row(one) for one in shown), (Text(legend, "faint"),))
     if len(plan.ranked) > len(shown):
-        rest = Table(SET_COLUMNS, tuple(_set_row(one) for one in plan.ranked[SHOWN : 20 * SHOWN]))
+        rest = Table(columns, tuple(_set_row(one) for one in plan.ranked[SHOWN : 20 * SHOWN]))
         more = f"and {len(found.sets) - len(shown)} more"
         if len(plan.ranked) < len(found.sets):
             more += f"; margins of the {len(plan.ranked)} shortest were looked at"
@@ -61,20 +74,15 @@ def _search(result: PlanResult) -> str:
     assert isinstance(finding, Analysis)
     if found.rank < finding.rank:
         reach += f" (all candidates together {finding.rank}, but some may not be combined)"
+    if found.exhaustive and found.size == 1:
+        candidates = counted(len(plan.runs), "candidate")
+        return f"1 run is enough for {reach}; {len(found.sets)} of {candidates} will do."
     if found.exhaustive:
         every = comb(len(plan.runs), found.size)
-        which = (
-            f"every set of {runs} does"
-            if len(found.sets) == every
-            else f"{len(found.sets)} of {every} sets do"
-        )
-        verb = "is" if found.size == 1 else "are"
-        smaller = (
-            f" No smaller set does: {found.looked_at} sets were tried, modulo a prime."
-            if found.size > 1
-            else ""
-        )
-        return f"{runs} {verb} the fewest that reach {reach}; {which}.{smaller}"
+        all_of_them = len(found.sets) == every
+        which = f"every set of {runs} does" if all_of_them else f"{len(found.sets)} of {every} sets do"
+        looked = f"ranks modulo a prime, {found.looked_at} unions looked at"
+        return f"{runs} are the fewest that reach {reach}; {which}. No smaller set does ({looked})."
     guarantee = (
         "" if found.guarantee is None else f", at most {short(found.guarantee)} times the smallest number"
     )
@@ -82,13 +90,12 @@ def _search(result: PlanResult) -> str:
 
 
 def _set_row(one: RankedSet) -> tuple[Cell, ...]:
-    margin = Text("–") if one.margin is None else Text(short(one.margin, 3), "good" if one.is_met else "bad")
-    return (
-        line(Text(" ".join(str(k + 1) for k in one.runs))),
-        line(Text(f"{minutes(one.duration)} min")),
-        line(margin),
-        line(Text("–" if one.shortest is None else f"{minutes(one.needed)} min")),
-    )
+    runs = (line(Text(" ".join(str(k + 1) for k in one.runs))), line(Text(minutes(one.duration))))
+    if one.margin is None:
+        return runs
+    shortened = "–" if one.shortest is None else minutes(one.needed)
+    role: Role = "good" if one.is_met else "bad"
+    return (*runs, line(Text(ratio(one.margin), role)), line(Text(shortened)))
 
 
 def candidate_blocks(result: PlanResult) -> Iterator[Block]:
@@ -99,7 +106,7 @@ def candidate_blocks(result: PlanResult) -> Iterator[Block]:
         (
             line(Text(str(k), "faint")),
             line(Text(one.run.name, "name")),
-            line(Text(number(plan.durations[k - 1]))),
+            line(Text(minutes(plan.durations[k - 1]))),
             line(Text(f"{len(one.rows)} of {len(plan.shared)}")),
         )
         for k, one in enumerate(plan.stack.runs, start=1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from obscli.core.document import Block, Cell, Column, Heading, Table, Text, line, plain
 from obscli.exact.finding import Analysis, QuantityVerdict, StateVerdict
@@ -12,6 +12,10 @@ from obscli.pipelines.describe.words import SIGNS, names, sign
 
 STATE_COLUMNS = (Column(), Column(), Column(align="right"), Column(breaks=True))
 QUANTITY_COLUMNS = (Column(), Column("quantity"), Column("verdict"), Column("definition", breaks=True))
+PLAIN: Mapping[str, str] = {}
+
+#: What is said of shared states instead of states.
+DETERMINED: Mapping[str, str] = {"observable": "determined", "unobservable": "not determined"}
 LEGEND = "coupled: known only in combination with the other states of its line."
 
 
@@ -39,15 +43,16 @@ def _coupled_groups(finding: Analysis, members: tuple[str, ...]) -> tuple[tuple[
     return tuple(group for group in inside if group)
 
 
-def quantity_blocks(finding: Analysis) -> Iterator[Block]:
-    """Yield the verdict on each quantity, where the file names any."""
+def quantity_blocks(finding: Analysis, words: Mapping[str, str] = PLAIN) -> Iterator[Block]:
+    """Yield the verdict on each quantity, where the file names any; ``words``: other words for verdicts."""
     if finding.quantities:
         yield Heading(2, plain("Quantities"))
-        yield Table(QUANTITY_COLUMNS, tuple(_quantity_row(one, finding) for one in finding.quantities))
+        yield Table(QUANTITY_COLUMNS, tuple(_quantity_row(one, finding, words) for one in finding.quantities))
 
 
-def _quantity_row(one: QuantityVerdict, finding: Analysis) -> tuple[Cell, ...]:
+def _quantity_row(one: QuantityVerdict, finding: Analysis, words: Mapping[str, str]) -> tuple[Cell, ...]:
     definition = line(combination(one.coefficients, finding.system))
     if one.verdict == "coupled" and one.group:
         definition += ((Text("with ", "faint"), *names(one.group)),)
-    return line(sign(one.verdict)), line(Text(one.name, "name")), line(Text(one.verdict)), definition
+    verdict = words.get(one.verdict, one.verdict)
+    return line(sign(one.verdict)), line(Text(one.name, "name")), line(Text(verdict)), definition

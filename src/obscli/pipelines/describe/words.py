@@ -31,6 +31,11 @@ def names(items: tuple[str, ...]) -> Inline:
     return tuple(content[1:])
 
 
+def ratio(value: float) -> str:
+    """Return a margin: 1.00 says that it is just met."""
+    return f"{value:.2f}" if 0.1 <= value < 100 else short(value, 3)
+
+
 def minutes(seconds: float) -> str:
     """Return a time as minutes, where the unit of time is the second."""
     return short(seconds / 60, 3)

@@ -1,0 +1,44 @@
+"""What ``obscli plan`` hands to a renderer; importing it costs no floating-point library."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from obscli.core.document import Document
+from obscli.core.figure import Figure
+from obscli.pipelines.describe.plan import plan_document
+from obscli.pipelines.describe.plan_figures import plan_figures
+from obscli.pipelines.plan_data import plan_data
+from obscli.pipelines.plan_result import PlanResult
+from obscli.pipelines.request import Changes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanReport:
+    """The plan for one model, and the changes under which it was read."""
+
+    results: tuple[PlanResult, ...]
+    changes: Changes
+
+    @property
+    def failed(self) -> int:
+        """How many plans are contradicted by the Gramians, or do not meet what is required."""
+        return sum(result.failed for result in self.results)
+
+    @property
+    def undecided(self) -> int:
+        """How many plans stayed unchecked."""
+        return sum(result.undecided for result in self.results)
+
+    def document(self) -> Document:
+        """Return the report for a reader."""
+        return plan_document(self.results)
+
+    def figures(self) -> Iterable[Figure]:
+        """Return the figures: what each candidate determines, deviations over the plan."""
+        return plan_figures(self.results)
+
+    def data(self) -> Mapping[str, object]:
+        """Return the report for a program."""
+        return plan_data(self.results, self.changes)
