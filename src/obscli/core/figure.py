@@ -23,12 +23,13 @@ class Curve:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Panel:
-    """One pair of axes: curves over the same abscissa."""
+    """One pair of axes: curves over the same abscissa; ``marks``: values of it worth a line."""
 
     title: str
     y_label: str
     curves: tuple[Curve, ...]
     logarithmic: bool = False
+    marks: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -75,7 +75,7 @@ class Accuracy:
 
 def accuracy(informed: Informed) -> Accuracy:
     """Return the deviations after the runs, one after the other."""
-    ends = [one.roots[-1] for one in informed.runs]
+    ends = [(k, -1) for k in range(len(informed.runs))]
     before = informed.deviation([])
     runs = np.array([informed.deviation(ends[: k + 1]) for k in range(len(ends))])
     alone = np.array([informed.deviation([end]) for end in ends])
@@ -98,24 +98,33 @@ def accuracy(informed: Informed) -> Accuracy:
             for k, (name, value) in enumerate(informed.required)
         ),
         _history(informed, ends, before),
-        _notes(informed),
+        _notes(informed, runs[-1], before),
     )
 
 
-def _history(informed: Informed, ends: list[Array], before: Array) -> History:
+def _history(informed: Informed, ends: list[tuple[int, int]], before: Array) -> History:
     times, values, marks, start = [0.0], [before], [], 0.0
     for k, one in enumerate(informed.runs):
-        for elapsed, root in zip(one.elapsed, one.roots, strict=True):
+        for j, elapsed in enumerate(one.elapsed):
             times.append(start + float(elapsed))
-            values.append(informed.deviation([*ends[:k], root]))
+            values.append(informed.deviation([*ends[:k], (k, j)]))
         start += one.duration
         marks.append(start)
     columns = np.array(values).T
     return History(tuple(times), tuple(marks), tuple(tuple(row.tolist()) for row in columns))
 
 
-def _notes(informed: Informed) -> tuple[str, ...]:
+def _notes(informed: Informed, after: Array, before: Array) -> tuple[str, ...]:
     notes = []
+    kernel = np.abs(informed.undetermined()).max(axis=1, initial=0.0)
+    rests = [
+        name
+        for j, name in enumerate(informed.states)
+        if kernel[j] > 0 and np.isfinite(after[j]) and after[j] < before[j] * (1 - 1e-9)
+    ]
+    if rests:
+        names = ", ".join(rests)
+        notes.append(f"the runs alone do not determine {names}: what is better than before rests on priors")
     if informed.driven:
         names = ", ".join(informed.driven)
         notes.append(

@@ -25,7 +25,13 @@ def verify_together(stack: Stack, there: AtFile | None, seen: Witnessed) -> Veri
     if there.rank != stack.finding.rank or witness.vanishes(basis):
         assert isinstance(there.stack.finding, Analysis)
         basis = _basis(there.stack.finding)
-    return verify_basis(witness, basis)
+    found = verify_basis(witness, basis)
+    if found.verdict == "contradicted" and seen.dropped and (seen.together.rank or 0) > there.rank:
+        return NotVerified(
+            f"the Gramians show rank {seen.together.rank}, but a direction of the states that start anew was "
+            "taken as not seen; if rounding hides it, the rank is lower"
+        )
+    return found
 
 
 def _basis(finding: Analysis) -> tuple[Covector, ...]:

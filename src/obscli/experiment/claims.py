@@ -15,7 +15,7 @@ from obscli.experiment.special import at_file, nominal, specialised
 from obscli.experiment.stacked import Stack, proved
 from obscli.experiment.witnessed import Look, witnessed
 from obscli.model.specialise import Specialisation, at_nominal
-from obscli.model.system import Claim, Run
+from obscli.model.system import Claim, Run, System
 from obscli.numeric.settings import Settings
 
 
@@ -28,6 +28,7 @@ class Subject:
     shared: tuple[str, ...]
     look: Look
     settings: Settings
+    base: System
 
 
 def check_experiment_claims(claims: Sequence[Claim], subject: Subject) -> Iterator[CheckResult]:
@@ -80,7 +81,7 @@ def _about_shared(claim: Claim, shared: Sequence[str]) -> tuple[Claim, list[Chec
 def _ground(claim: Claim, which: Sequence[str], subject: Subject) -> Ground:
     named = [run for run in subject.known if run.name in which]
     chosen = named or subject.runs
-    runs, own = told_apart(chosen)
+    runs, own = told_apart(chosen, subject.base)
     generic = proved(runs, subject.shared)
     if claim.at is None:
         special = Specialisation(generic.system, {})

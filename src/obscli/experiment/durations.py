@@ -41,7 +41,7 @@ def shortest(informed: Informed, runs: Sequence[int]) -> Durations | None:
     return Durations(
         tuple(float(one.elapsed[j]) for one, j in zip(search.runs, best, strict=True)),
         search.total(best),
-        tuple(float(one.elapsed[0]) for one in search.runs),
+        tuple(one.duration / 40 for one in search.runs),
     )
 
 
@@ -50,13 +50,14 @@ class _Search:
 
     def __init__(self, informed: Informed, runs: Sequence[int]) -> None:
         self._informed = informed
+        self.indices = list(runs)
         self.runs = [informed.runs[k] for k in runs]
         self._asked: Array = np.array([value for _, value in informed.required])
 
     def suffices(self, ends: Sequence[int]) -> bool:
         """Whether all requirements are met."""
-        roots = [one.roots[j] for one, j in zip(self.runs, ends, strict=True)]
-        return bool((self._informed.deviation(roots, required=True) <= self._asked).all())
+        parts = list(zip(self.indices, ends, strict=True))
+        return bool((self._informed.deviation(parts, required=True) <= self._asked).all())
 
     def total(self, ends: Sequence[int]) -> float:
         """Return the sum of the durations."""

@@ -44,7 +44,7 @@ def exactly(
     runs: Sequence[Run], shared: tuple[str, ...], base: System, progress: Progress, *, critical: bool
 ) -> Exact:
     """Return what algebra says of some runs; ``base``: the file's system, for its quantities."""
-    apart, own = told_apart(runs)
+    apart, own = told_apart(runs, base)
     stack = analysed(apart, shared, progress, critical=critical, base=base)
     special, there = None, AtFile(None, reason="undecided")
     if isinstance(stack.finding, Analysis):

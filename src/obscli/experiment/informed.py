@@ -8,18 +8,20 @@ and no prior of theirs is in it. So information of runs and prior adds up, in an
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
 from obscli.core.number import bar
-from obscli.experiment.stacked import Progress
+from obscli.exact.finding import Undecided
+from obscli.exact.without import rows_without
+from obscli.experiment.stacked import Progress, RunRows, Stack
 from obscli.model.expression import Expression, symbols
 from obscli.model.notation import to_text
 from obscli.model.system import Covector, Requirement, Run, System
-from obscli.numeric.deviation import deviations
+from obscli.numeric.deviation import deviations, unseen
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.horizon import Horizon, Wanted, horizon_of
 from obscli.numeric.information import information
@@ -28,17 +30,26 @@ from obscli.numeric.numeric_system import NumericSystem, constants_of, missing_v
 from obscli.numeric.program import Array, Counts, constant_value
 
 
-#: At so many instants of a run its information is kept.
-INSTANTS: Final = 40
+#: Rows that degenerate at the start itself are looked at so little later.
+_ASIDE: Final = 1e-6
+
+#: At these fractions of a run its information is kept.
+FRACTIONS: Final = (*(2.0**-k / 40 for k in (4, 3, 2, 1)), *(k / 40 for k in range(1, 41)))
 
 
 @dataclass(frozen=True, eq=False)
 class RunInformation:
-    """One run: instants since its start, shape (N,), and the root of information at each, shape (N, c, c)."""
+    """One run: instants since its start, shape (N,), and the root of information at each, shape (N, c, c).
+
+    From the exact side, at the file's values: ``rows`` that it determines, shape (r, c), and ``seen``: those
+    that it tells anything of when the others start from their prior, shape (s, c).
+    """
 
     run: Run
     elapsed: Array
     roots: Array
+    rows: Array
+    seen: Array
 
     @property
     def duration(self) -> float:
@@ -62,6 +73,7 @@ class Informed:
     beside : requirements on what the runs do not share
     other_priors : shared states whose prior is not the same in all runs; that of the first counts
     correlated : whether P₀ correlates what is shared with what starts anew, which is left out
+    kernels : of the sets of runs asked for so far
     """
 
     runs: tuple[RunInformation, ...]
@@ -74,16 +86,37 @@ class Informed:
     beside: tuple[str, ...]
     other_priors: tuple[str, ...]
     correlated: bool
+    kernels: dict[frozenset[int], Array] = field(default_factory=dict)
 
-    def deviation(self, roots: Sequence[Array], *, required: bool = False) -> Array:
-        """Return the deviations of all states, or of what is required, given the prior and some roots."""
+    def deviation(self, parts: Sequence[tuple[int, int]], *, required: bool = False) -> Array:
+        """Return the deviations of all states, or of what is required, given the prior and parts of runs.
+
+        Parameters
+        ----------
+        parts : a run and the instant of it at which it ends, by their indices
+        """
         forms = self.covectors if required else np.eye(len(self.states))
-        learned = np.concatenate(roots) if roots else np.zeros((0, len(self.states)))
-        return deviations(self.prior, learned, forms)
+        learned = [self.runs[k].roots[j] for k, j in parts]
+        nothing = np.zeros((0, len(self.states)))
+        return deviations(
+            self.prior, np.concatenate([nothing, *learned]), forms, self.unseen(k for k, _ in parts)
+        )
+
+    def unseen(self, runs: Iterable[int]) -> Array:
+        """Return the directions that some runs tell nothing of, shape (c, q)."""
+        which = frozenset(runs)
+        if which not in self.kernels:
+            rows = [np.zeros((0, len(self.states))), *(self.runs[k].seen for k in sorted(which))]
+            self.kernels[which] = unseen(np.concatenate(rows))
+        return self.kernels[which]
+
+    def undetermined(self) -> Array:
+        """Return the directions that all runs do not determine, whatever the priors, shape (c, q)."""
+        return unseen(np.concatenate([np.zeros((0, len(self.states))), *(one.rows for one in self.runs)]))
 
 
 def informed(
-    runs: Sequence[Run],
+    there: Stack,
     shared: System,
     requirements: Sequence[Requirement],
     progress: Progress = lambda _: None,
@@ -92,7 +125,8 @@ def informed(
 
     Parameters
     ----------
-    shared : the static system over the shared states
+    there : what the runs determine at the file's values
+    shared : the static system over the shared states, with the file's parameters
     requirements : the accuracy asked for
     progress : told what is being done
 
@@ -102,12 +136,13 @@ def informed(
         where the noise is not given, or a run cannot be integrated
     """
     names = shared.state_names
-    found: dict[int, RunInformation] = {}
+    runs = [one.run for one in there.runs]
+    found: dict[int, tuple[Array, Array, Array, Array]] = {}
     for k, run in enumerate(runs, start=1):
         if id(run.system) not in found:
             progress(f"accuracy: {bar(k, len(runs))} {run.name}")
             try:
-                found[id(run.system)] = _told(run, names)
+                found[id(run.system)] = _told(there.runs[k - 1], names)
             except NotComputableError as error:
                 raise NotComputableError(
                     f"run {run.name}: {error}" if run.system.noise else str(error)
@@ -116,9 +151,7 @@ def informed(
     kept = _indices(runs[0].system, names)
     required, covectors, beside = _required(shared, requirements)
     return Informed(
-        tuple(
-            RunInformation(run, found[id(run.system)].elapsed, found[id(run.system)].roots) for run in runs
-        ),
+        tuple(RunInformation(one.run, *found[id(one.run.system)]) for one in there.runs),
         model.prior(kept)[:, kept],
         names,
         {one.name: one.unit for one in shared.states},
@@ -137,15 +170,59 @@ def _numeric(system: System) -> tuple[NumericSystem, Horizon]:
     return NumericSystem(system, horizon.start, horizon.stop), horizon
 
 
-def _told(run: Run, shared: Sequence[str]) -> RunInformation:
+def _numbers(rows: Sequence[Covector], names: Sequence[str]) -> Array:
+    """Return exact rows without parameters as numbers."""
+    found = np.zeros((len(rows), len(names)))
+    for i, row in enumerate(rows):
+        for name, entry in row.items():
+            found[i, names.index(name)] = constant_value(entry, {})
+    return found
+
+
+def _told(one: RunRows, shared: Sequence[str]) -> tuple[Array, Array, Array, Array]:
+    """Return instants since a run's start, roots of information there, exact rows without and with priors."""
+    run, rows = one.run, _numbers(one.rows, shared)
     numeric, horizon = _numeric(run.system)
     model = noise_model(numeric, shared)
     kept = _indices(run.system, shared)
     fresh = np.setdiff1d(np.arange(run.system.n), kept)
     duration = horizon.stop - horizon.start
-    elapsed = duration * np.arange(1, INSTANTS + 1) / INSTANTS
-    roots = information(model, horizon.start, horizon.start + elapsed, kept, model.prior(fresh))
-    return RunInformation(run, elapsed, roots)
+    elapsed = duration * np.array(FRACTIONS)
+    step = run.system.noise.step if run.system.noise else None
+    if step is not None:  # nothing is known before the first sample
+        elapsed = elapsed[elapsed >= min(known_value(step, run.system), duration)]
+    prior = model.prior(fresh)
+    roots = information(model, horizon.start, horizon.start + elapsed, kept, prior)
+    seen = _seen(numeric, horizon.start, kept, fresh[~prior[:, fresh].any(axis=0)]) if len(prior) else rows
+    return elapsed, roots, rows, seen
+
+
+def _seen(numeric: NumericSystem, start: float, kept: Counts, without_prior: Counts) -> Array:
+    """Return what a run tells of the shared states when the others start from a prior where they have one.
+
+    A direction of theirs is not seen if some start of the states without a prior, and zero for the others,
+    gives no output: so the covectors count that are zero on the former, at the start.
+
+    Raises
+    ------
+    NotComputableError
+        where the exact side is undecided, or the start is an instant at which its rows degenerate
+    """
+    system = numeric.system
+    found = rows_without(system, [system.state_names[j] for j in without_prior])
+    if isinstance(found, Undecided):
+        raise NotComputableError(found.reason)
+    for at in (start, start + _ASIDE * max(abs(start), 1.0)):
+        rows = numeric.covectors(found, np.array([at]))[0][0]
+        size = np.linalg.norm(rows, axis=1)[:, None]
+        if np.isfinite(rows).all() and np.linalg.matrix_rank(rows / np.where(size > 0, size, 1.0)) == len(
+            found
+        ):
+            told: Array = rows[:, kept]
+            return told
+    raise NotComputableError(
+        "the start of the run is a special instant: what is seen from there is not clear"
+    )
 
 
 def _indices(system: System, names: Sequence[str]) -> Counts:
@@ -154,7 +231,13 @@ def _indices(system: System, names: Sequence[str]) -> Counts:
 
 
 def _prior_text(system: System, name: str) -> str:
-    return to_text(system.prior[name]) if name in system.prior else ""
+    """Return the row of a state in P₀ as text."""
+    if system.noise is None or system.noise.P0 is None:
+        return ""
+    j = system.state_names.index(name)
+    return ", ".join(
+        f"{k}: {to_text(entry)}" for (i, k), entry in sorted(system.noise.P0.entries.items()) if i == j
+    )
 
 
 def _is_driven(system: System, name: str) -> bool:
@@ -177,7 +260,10 @@ def known_value(value: Expression, system: System) -> float:
     missing = sorted(symbols(value) - constants.keys())
     if missing:
         raise NotComputableError(missing_values(missing))
-    return constant_value(value, constants)
+    found = constant_value(value, constants)
+    if found < 0:
+        raise NotComputableError(f"{to_text(value)} is negative at the file's values")
+    return found
 
 
 def _required(

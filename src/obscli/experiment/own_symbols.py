@@ -6,7 +6,7 @@ there, although the file gives them one name.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from obscli.model.expression import Expression, Symbol
@@ -25,21 +25,23 @@ class OwnSymbol:
     runs: tuple[str, ...]
 
 
-def told_apart(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[OwnSymbol, ...]]:
+def told_apart(
+    runs: Sequence[Run], base: System | None = None
+) -> tuple[tuple[Run, ...], tuple[OwnSymbol, ...]]:
     """Return the runs with a symbol for every value of a parameter, and the symbols that are new.
 
-    The value in the first run keeps the parameter's name.
+    The value in the file's system (the first run, where that is not given) keeps the parameter's name.
     """
     taken = {name for run in runs for name in _names(run.system)}
     symbols: dict[tuple[str, str], str] = {}
     used: dict[tuple[str, str], list[str]] = {}
-    first: dict[str, str] = {}
+    first = {} if base is None else {one.name: _value(one) for one in base.parameters}
     known: dict[int, System] = {}
     result = []
     for run in runs:
         renamed: dict[str, str] = {}
         for parameter in run.system.parameters:
-            value = "" if parameter.nominal is None else to_text(parameter.nominal)
+            value = _value(parameter)
             if first.setdefault(parameter.name, value) == value:
                 continue
             key = (parameter.name, value)
@@ -53,9 +55,13 @@ def told_apart(runs: Sequence[Run]) -> tuple[tuple[Run, ...], tuple[OwnSymbol, .
     return tuple(result), tuple(own)
 
 
-def unused_name(name: str, system: System) -> str:
-    """Return a name like the one given that the system does not use."""
-    return _new_name(name, set(_names(system)))
+def _value(parameter: Parameter) -> str:
+    return "" if parameter.nominal is None else to_text(parameter.nominal)
+
+
+def unused_name(name: str, systems: Iterable[System]) -> str:
+    """Return a name like the one given that no system uses."""
+    return _new_name(name, {one for system in systems for one in _names(system)})
 
 
 def _names(system: System) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from obscli.experiment.informed import Informed, informed
 from obscli.experiment.own_symbols import OwnSymbol, told_apart
 from obscli.experiment.ranking import RankedSet, Ranking
 from obscli.experiment.smallest_sets import SmallestSets, smallest_sets
+from obscli.experiment.special import at_file
 from obscli.experiment.stacked import Progress, Stack, proved
 from obscli.experiment.suggestions import Suggestion, suggestions
 from obscli.model.system import Requirement, Run, System
@@ -33,10 +34,11 @@ class Plan:
     not_together : sets of candidates of which not all may be chosen
     by_default : candidates whose interval the file does not give
     stack : the rows of all candidates
+    there : the same at the file's values; as generic where some have none
     found : the smallest sets
     ranked : the sets (the shortest, where they are very many) in the order of preference; those behind the
         first few without shortened durations
-    extended : more runs, some repeated, where the smallest set does not meet what is required
+    extended : other runs, some repeated, where the smallest set is not enough or takes longer
     informed : information of all candidates; None where ``no_accuracy`` says why not
     suggestions, tried : kinds of runs that would determine more; what was tried
     """
@@ -51,6 +53,7 @@ class Plan:
     not_together: tuple[tuple[str, ...], ...]
     by_default: tuple[str, ...]
     stack: Stack
+    there: Stack
     found: SmallestSets
     ranked: tuple[RankedSet, ...]
     extended: RankedSet | None
@@ -61,7 +64,7 @@ class Plan:
 
     @property
     def chosen(self) -> RankedSet | None:
-        """The plan recommended: the first set, or the extended one where only that meets what is required."""
+        """The plan recommended: the first set, or another one that is enough, or takes less time."""
         return self.extended or (self.ranked[0] if self.ranked else None)
 
 
@@ -90,15 +93,19 @@ def plan(
     left_out = {one[0] for one in forbidden if len(set(one)) == 1}
     if all(run.name in left_out for run in candidates):
         raise NotComputableError("no candidate may be chosen: all are forbidden")
-    apart, own = told_apart([run for run in candidates if run.name not in left_out])
+    if not shared:
+        raise NotComputableError("the candidates share no state: list what is constant under `constant`")
+    apart, own = told_apart([run for run in candidates if run.name not in left_out], base)
     place = {run.name: k for k, run in enumerate(apart)}
     sets = [frozenset(map(place.__getitem__, one)) for one in forbidden if left_out.isdisjoint(one)]
     stack = _stack(apart, shared, base, progress)
-    rows = RowSets(stack.system, [len(one.rows) for one in stack.runs])
+    progress("candidates at the file's values")
+    there = _at_values(stack, shared)
+    rows = RowSets(there.system, [len(one.rows) for one in there.runs])
     found = smallest_sets(rows, sets, progress)
     horizons = [horizon_of(run.system, Wanted()) for run in apart]
     durations = tuple(one.stop - one.start for one in horizons)
-    told, no_accuracy = _informed(apart, stack, requirements, progress)
+    told, no_accuracy = _informed(there, stack, requirements, progress)
     ranking = Ranking(told, durations, setup_time, sets, rows, found.rank)
     ranked = ranking.ranked(found.sets, progress)
     kinds: tuple[tuple[Suggestion, ...], tuple[str, ...]] = ((), ())
@@ -117,6 +124,7 @@ def plan(
             run.name for run, one in zip(apart, horizons, strict=True) if one.origin == "default"
         ),
         stack=stack,
+        there=there,
         found=found,
         ranked=ranked,
         extended=ranking.extended(ranked, progress),
@@ -137,10 +145,18 @@ def _stack(runs: tuple[Run, ...], shared: tuple[str, ...], base: System, progres
     return stack
 
 
+def _at_values(stack: Stack, shared: tuple[str, ...]) -> Stack:
+    """Return what the candidates determine at the file's values; as generic where these are not all given."""
+    there = at_file(stack, shared, None).stack
+    return there if there is not None else stack
+
+
 def _informed(
-    runs: tuple[Run, ...], stack: Stack, requirements: Sequence[Requirement], progress: Progress
+    there: Stack, stack: Stack, requirements: Sequence[Requirement], progress: Progress
 ) -> tuple[Informed | None, str]:
+    if there is stack:
+        return None, "parameters without a value"
     try:
-        return informed(runs, stack.system, requirements, progress), ""
+        return informed(there, stack.system, requirements, progress), ""
     except NotComputableError as error:
         return None, str(error)

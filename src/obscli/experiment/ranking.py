@@ -19,9 +19,13 @@ from obscli.experiment.stacked import Progress
 #: Sets whose durations are shortened.
 SHORTENED: Final = 12
 
-#: Sets whose margins are looked at; of more, the shortest. So often it is told.
+#: Sets whose margins are looked at; of more, so many, of which the best are improved. So often it is told.
 MOST_RANKED: Final = 4000
+IMPROVED: Final = 3
 _TOLD: Final = 100
+
+#: An infinite deviation is this many times too large.
+_HOPELESS: Final = 1e12
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,19 +80,39 @@ class Ranking:
         self._asked = np.array([value for _, value in told.required]) if told is not None else np.zeros(0)
 
     def ranked(self, sets: Sequence[tuple[int, ...]], progress: Progress) -> tuple[RankedSet, ...]:
-        """Return the sets: first those that meet what is required, the shortest first, then by margin."""
-        by_duration = sorted(sets, key=lambda runs: (self._duration(runs), runs))[:MOST_RANKED]
-        found = []
-        for k, runs in enumerate(by_duration, start=1):
+        """Return the sets: first those that meet what is required, the shortest first, then by margin.
+
+        Of very many, some are looked at, evenly spread over the durations, and the best are improved by
+        exchanging one run at a time.
+        """
+        by_duration = sorted(sets, key=lambda runs: (self._duration(runs), runs))
+        step = -(-len(by_duration) // MOST_RANKED)
+        found = {}
+        for k, runs in enumerate(by_duration[:: max(step, 1)], start=1):
             if k % _TOLD == 1:
-                progress(f"margins: {bar(k, len(by_duration))}")
-            found.append(self._of(runs))
-        found.sort(key=_preference)
+                progress(f"margins: {bar(k, min(len(by_duration), MOST_RANKED))}")
+            found[runs] = self._of(runs)
+        if step > 1:
+            known = frozenset(by_duration)
+            for one in sorted(found.values(), key=_preference)[:IMPROVED]:
+                better = self._exchanged(one, known)
+                found[better.runs] = better
+        ranked = sorted(found.values(), key=_preference)
         first = []
-        for k, one in enumerate(found[:SHORTENED], start=1):
-            progress(f"shortest durations: {bar(k, min(SHORTENED, len(found)))}")
+        for k, one in enumerate(ranked[:SHORTENED], start=1):
+            progress(f"shortest durations: {bar(k, min(SHORTENED, len(ranked)))}")
             first.append(self._shortened(one))
-        return (*sorted(first, key=_preference), *found[SHORTENED:])
+        return (*sorted(first, key=_preference), *ranked[SHORTENED:])
+
+    def _exchanged(self, one: RankedSet, known: frozenset[tuple[int, ...]]) -> RankedSet:
+        """Return a set that no exchange of a single run makes better."""
+        best = one
+        for k in range(len(one.runs)):
+            for other in range(len(self._durations)):
+                runs = tuple(sorted((*one.runs[:k], other, *one.runs[k + 1 :])))
+                if runs in known:
+                    best = min(best, self._of(runs), key=_preference)
+        return one if best.runs == one.runs else self._exchanged(best, known)
 
     def _of(self, runs: tuple[int, ...]) -> RankedSet:
         setup = self._setup_time * len(runs)
@@ -100,8 +124,7 @@ class Ranking:
 
     def _margin(self, runs: Sequence[int]) -> float:
         assert self._told is not None
-        roots = [self._told.runs[k].roots[-1] for k in runs]
-        after = self._told.deviation(roots, required=True)
+        after = self._told.deviation([(k, -1) for k in runs], required=True)
         with np.errstate(divide="ignore"):
             return float((self._asked / after).min())
 
@@ -111,26 +134,57 @@ class Ranking:
         return replace(one, shortest=shortest(self._told, one.runs))
 
     def extended(self, ranked: Sequence[RankedSet], progress: Progress) -> RankedSet | None:
-        """Return the best set with runs added until the requirements are met; None where it is not needed.
+        """Return another plan where the best of the smallest sets is not enough, or takes longer.
 
-        Each time the run is added that gains most for the time it takes; at the end, runs that are not needed
-        any more are left out.
+        Runs are added to that set, and to nothing, until the requirements are met; each time the run that
+        brings the unmet ones nearest for the time it takes; at the end, those not needed are left out.
         """
-        if self._told is None or not ranked or ranked[0].is_met or not ranked[0].margin:
+        if self._told is None:
             return None
-        runs = ranked[0].runs
-        while len(runs) < MOST_ADDED:
-            progress(f"more runs, until what is required is met: {len(runs) + 1}")
+        best = ranked[0] if ranked else None
+        beginnings = [()] if best is None or best.is_met else [best.runs, ()]
+        found = [self._grown(runs, progress) for runs in beginnings]
+        plans = [one for one in found if one is not None]
+        other = min(plans, key=lambda one: one.needed, default=None)
+        if other is None or (best is not None and best.is_met and other.needed >= best.needed):
+            return None
+        return other
+
+    def _grown(self, runs: tuple[int, ...], progress: Progress) -> RankedSet | None:
+        """Return the runs with others added until the requirements are met, None where that does not help."""
+        lacking = self._lacking(runs)
+        while len(runs) < MOST_ADDED and lacking > 0:
+            progress(f"runs added, until what is required is met: {len(runs) + 1}")
             options = [k for k in range(len(self._durations)) if self._may_join(k, runs)]
-            before = self._margin(runs)
-            best = max(options, key=lambda k: self._gain(before, (*runs, k), k))
-            runs = (*runs, best)
-            margin = self._margin(runs)
-            if margin >= 1:
-                return self._shortened(self._of(self._pruned(runs)))
-            if margin <= before * (1 + 1e-9):
+            left = {k: self._lacking((*runs, k)) for k in options}
+            best = max(left, key=lambda k: (lacking - left[k]) / self._time(k), default=None)
+            if best is None or left[best] >= lacking * (1 - 1e-9):
                 return None
-        return None
+            runs, lacking = (*runs, best), left[best]
+        if lacking > 0 or not runs:
+            return None
+        return self._shortened(self._of(self._pruned(self._completed(runs))))
+
+    def _completed(self, runs: tuple[int, ...]) -> tuple[int, ...]:
+        """Return the runs with others added until they determine as much as can be."""
+        while self._rows.rank(runs) < self._goal:
+            rank = self._rows.rank(runs)
+            options = [k for k in range(len(self._durations)) if self._may_join(k, runs)]
+            best = max(options, key=lambda k: (self._rows.rank((*runs, k)) - rank) / self._time(k))
+            if self._rows.rank((*runs, best)) == rank:
+                break
+            runs = (*runs, best)
+        return runs
+
+    def _lacking(self, runs: Sequence[int]) -> float:
+        """Return how far the unmet requirements are from being met: the sum of ln(reached/required)."""
+        assert self._told is not None
+        after = self._told.deviation([(k, -1) for k in runs], required=True)
+        ratio = np.minimum(after / self._asked, _HOPELESS)
+        return float(np.log(np.maximum(ratio, 1.0)).sum())
+
+    def _time(self, k: int) -> float:
+        return self._durations[k] + self._setup_time
 
     def _pruned(self, runs: tuple[int, ...]) -> tuple[int, ...]:
         """Return the runs without those that neither the requirements nor the rank need."""
@@ -139,9 +193,6 @@ class Ranking:
             if rest and self._rows.rank(rest) == self._goal and self._margin(rest) >= 1:
                 return self._pruned(rest)
         return runs
-
-    def _gain(self, before: float, runs: tuple[int, ...], k: int) -> float:
-        return float(np.log(self._margin(runs) / before)) / (self._durations[k] + self._setup_time)
 
     def _may_join(self, k: int, runs: Sequence[int]) -> bool:
         return not any(one <= {*runs, k} for one in self._forbidden)

@@ -184,7 +184,8 @@ def static_system(runs: Sequence[RunRows], shared: Sequence[str], base: System |
     entries = {}
     outputs: list[Output] = []
     for k, one in enumerate(runs, start=1):
-        parameters |= {parameter.name: parameter for parameter in one.run.system.parameters}
+        for parameter in one.run.system.parameters:
+            parameters.setdefault(parameter.name, parameter)
         for i, row in enumerate(one.rows, start=1):
             entries.update({(len(outputs), column[name]): entry for name, entry in row.items()})
             outputs.append(Output(f"run{k}_{i}", one.run.place))

@@ -131,46 +131,65 @@ def _kinds(runs: Sequence[Run]) -> Iterator[tuple[str, Change]]:
         for words, matrix in _turns()
     ]
     halves = [one for one in turns if "half a turn" in one[0]]
-    for parameter in system.parameters:
-        if parameter.assume != "positive":
-            yield f"{parameter.name} with the opposite sign", _with(parameter, negate(Symbol(parameter.name)))
+    parameters = _in_use(runs)
+    for name, one in parameters.items():
+        if one.assume != "positive":
+            yield f"{name} with the opposite sign", _with(name, negate(Symbol(name)))
     yield from halves
-    for parameter in _angles(system):
-        for text, value in RIGHT_ANGLES.items():
-            yield f"{parameter.name} = {text}", _with(parameter, value)
+    angles = _angles(runs)
+    for name in parameters:
+        for text, value in RIGHT_ANGLES.items() if name in angles else ():
+            yield f"{name} = {text}", _with(name, value)
     yield from (one for one in turns if one not in halves)
-    for parameter in system.parameters:
-        yield f"another generic value of {parameter.name}", _with(parameter, None)
+    for name in parameters:
+        other = unused_name(name, [run.system for run in runs])
+        yield f"another generic value of {name}", _with(name, None, other)
 
 
-def _angles(system: System) -> list[Parameter]:
-    """Return the parameters that stand in a sine or cosine without the time."""
-    roots = [*system.A.entries.values(), *system.H.entries.values()]
-    arguments = [
-        node.argument
-        for node in postorder(*roots)
-        if isinstance(node, Apply) and node.function in {"sin", "cos"}
-    ]
-    still = [symbols(one) for one in arguments if system.time not in symbols(one)]
-    return [one for one in system.parameters if any(one.name in names for names in still)]
+def _in_use(runs: Sequence[Run]) -> dict[str, Parameter]:
+    """Return the parameters that some run depends on, those that it fixes too."""
+    found: dict[str, Parameter] = {}
+    for run in runs:
+        for system in (run.system, *(free for name in run.fixed if (free := _freed(run, name)) is not None)):
+            used = symbols(*system.A.entries.values(), *system.H.entries.values())
+            found |= {
+                one.name: one for one in system.parameters if one.name in used and one.name not in found
+            }
+    return found
+
+
+def _freed(run: Run, name: str) -> System | None:
+    return None if run.freed is None else run.freed(name)
+
+
+def _angles(runs: Sequence[Run]) -> frozenset[str]:
+    """Return the names that stand in a sine or cosine without the time."""
+    found: set[str] = set()
+    for run in runs:
+        for system in (run.system, *(free for name in run.fixed if (free := _freed(run, name)) is not None)):
+            roots = [*system.A.entries.values(), *system.H.entries.values()]
+            for node in postorder(*roots):
+                if isinstance(node, Apply) and node.function in {"sin", "cos"}:
+                    names = symbols(node.argument)
+                    found |= names if system.time not in names else set()
+    return frozenset(found)
 
 
 def _turn(name: str, matrix: str) -> Change:
     return lambda run: None if run.turned is None else run.turned(name, matrix)
 
 
-def _with(parameter: Parameter, value: Expression | None) -> Change:
-    """Return the change of one parameter, None: to a symbol of its own."""
+def _with(name: str, value: Expression | None, other: str = "") -> Change:
+    """Return the change of one parameter, None: to a symbol of its own, ``other``."""
 
     def change(run: Run) -> System | None:
-        system = run.system
-        if parameter.name not in {one.name for one in system.parameters}:
+        system = _freed(run, name) if name in run.fixed else run.system
+        if system is None or name not in {one.name for one in system.parameters}:
             return None
-        other = unused_name(parameter.name, system)
         new: Expression = Symbol(other) if value is None else value
-        special = Specialisation(system, {parameter.name: new}).system()
+        special = Specialisation(system, {name: new}).system()
         own = tuple(
-            replace(one, name=other) if value is None and one.name == parameter.name else one
+            replace(one, name=other) if value is None and one.name == name else one
             for one in system.parameters
         )
         return replace(special, parameters=own)

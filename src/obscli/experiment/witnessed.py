@@ -42,12 +42,14 @@ class Witnessed:
     together : all runs joined, by the fraction of them that is over
     after : after each run, the runs before it and itself over
     reason : why the runs cannot be joined; empty where they are
+    dropped : how many directions of the states that start anew were taken as not seen at all
     """
 
     runs: tuple[Numeric | NotComputed, ...]
     together: Numeric | None
     after: Numeric | None
     reason: str = ""
+    dropped: int = 0
 
 
 def witnessed(runs: Sequence[Run], system: System, look: Look, settings: Settings) -> Witnessed:
@@ -75,6 +77,7 @@ def witnessed(runs: Sequence[Run], system: System, look: Look, settings: Setting
         found,
         _joint(system, settings, fractions, together),
         _joint(system, settings, np.arange(1.0, len(runs) + 1), after),
+        dropped=max(part[-1].dropped for part in parts),
     )
 
 

@@ -61,8 +61,20 @@ def _runs(drafts: tuple[RunDraft, ...], elaborated: Elaborated, problems: Proble
             known[key] = elaborated(draft, problems)
         system = known[key]
         if system is not None:
-            found.append(Run(draft.name, system, draft.stage, draft.node.place, _turned(draft, elaborated)))
+            turned, freed = _turned(draft, elaborated), _freed(draft, elaborated)
+            place, fixed = draft.node.place, tuple(draft.fix)
+            found.append(Run(draft.name, system, draft.stage, place, turned, fixed, freed))
     return tuple(found)
+
+
+def _freed(draft: RunDraft, elaborated: Elaborated) -> Callable[[str], System | None]:
+    def freed(name: str) -> System | None:
+        problems = Problems()
+        fix = {one: entry for one, entry in draft.fix.items() if one != name}
+        system = elaborated(replace(draft, fix=fix), problems)
+        return None if problems else system
+
+    return freed
 
 
 def _turned(draft: RunDraft, elaborated: Elaborated) -> Callable[[str, str], System | None]:
@@ -132,10 +144,11 @@ def _forbidden(node: Node, drafts: Sequence[RunDraft], problems: Problems) -> It
         names = tuple(_names_in(node, [draft.name for draft in drafts], problems))
         yield from (names,) if names else ()
         return
-    wanted = {key.text: value.text.strip() for key, value in node.entries if isinstance(value, Scalar)}
+    wanted = {key.text: _canonical(value.text) for key, value in node.entries if isinstance(value, Scalar)}
     found = [draft.name for draft in drafts if len(wanted) == len(node.entries) and _has(draft, wanted)]
     if not found:
-        hint = "give `stage` and values as the candidates have them, such as {stage: up, omega: -omega}"
+        known = sorted({name for draft in drafts for name in draft.fix} | {"stage"})
+        hint = f"give values as the candidates have them, of {', '.join(known)}: {{stage: up, omega: -omega}}"
         problems.add(node.problem("plan.forbidden", "no candidate has these values", hint))
     yield from ((name,) for name in found)
 

@@ -207,7 +207,8 @@ class Run:
     """One run of an experiment: a stage with its replacements made (``system.stage`` is the run's name).
 
     ``turned``: makes the system with the matrix of a `let` entry multiplied from the right by another, as
-    text; None where the entry is not there, or the system is wrong then.
+    text; None where the system is wrong then. ``fixed``: the names that the run fixes; ``freed`` makes the
+    system without fixing one of them.
     """
 
     name: str
@@ -215,6 +216,8 @@ class Run:
     stage: str | None
     place: Place
     turned: Callable[[str, str], System | None] | None = None
+    fixed: tuple[str, ...] = ()
+    freed: Callable[[str], System | None] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

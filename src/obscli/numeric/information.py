@@ -31,7 +31,7 @@ from obscli.numeric.transition import NODES, Panels, edges_of, longest_step, pan
 
 #: Step error of the transition; relative change of the information that halving the panels may make.
 STEP_ERROR: Final = 1e-11
-STANDS: Final = 5e-3
+STANDS: Final = 2e-3
 
 #: With driving noise: panels to begin with, how often they are halved, and how many are made at the most.
 _FEWEST: Final = 60
@@ -44,8 +44,13 @@ _PER_BANDWIDTH: Final = 0.5
 #: Rows are triangularised when they are more than so many per state.
 _GATHERED: Final = 3
 
+#: Columns of states that decay are rescaled, by powers of two, when they become larger than this.
+_LARGE: Final = 1e60
+_FARTHEST: Final = 1000
+
 _PROBES: Final = 18
-_ZERO: Final = 1e-12
+_ZERO: Final = 1e-13
+_CLEAR: Final = 1e-9
 _SMALLEST: Final = 1e-8
 
 
@@ -67,7 +72,9 @@ def information(noise: NoiseModel, start: float, instants: Array, kept: Counts, 
     rates = rates_of(noise.system, np.linspace(start, instants[-1], _PROBES)[1:-1])
     longest = longest_step(rates)
     if noise.drive is None:
-        return _marginal(_carried(noise, edges_of(start, instants, longest, _MOST), instants, priors), kept)
+        return _marginal(
+            _carried(noise, edges_of(start, instants, longest, _MOST), instants, priors, kept), kept
+        )
     span = float(instants[-1] - start)
     longest = min(longest, span / _FEWEST, _PER_BANDWIDTH / max(_bandwidth(noise, start, span), 1 / span))
     found: list[Array] = []
@@ -76,7 +83,7 @@ def information(noise: NoiseModel, start: float, instants: Array, kept: Counts, 
             edges = edges_of(start, instants, longest / 2**halving, _MOST)
         except TooManyStepsError:
             break
-        found.append(_marginal(_carried(noise, edges, instants, priors), kept))
+        found.append(_marginal(_carried(noise, edges, instants, priors, kept), kept))
         if halving and _stands(found[-2][-1], found[-1][-1]):
             return found[-1]
     raise NotComputableError(
@@ -91,10 +98,10 @@ def _bandwidth(noise: NoiseModel, start: float, span: float) -> float:
     return float(np.linalg.norm(noise.whitening @ H @ noise.driving(t), axis=(1, 2)).max())
 
 
-def _carried(noise: NoiseModel, edges: Array, instants: Array, priors: Array) -> Array:
-    """Return S at the instants, shape (N, n, n)."""
+def _carried(noise: NoiseModel, edges: Array, instants: Array, priors: Array, kept: Counts) -> Array:
+    """Return S at the instants, the columns not kept in any units, shape (N, n, n)."""
     system = noise.system
-    chain = _Chain(system.moving, priors)
+    chain = _Chain(system.moving, priors, kept)
     found: list[Array] = []
     last, pending = float(edges[0]), 0.0
     for piece in panels(system, edges, Effort(STEP_ERROR, _MOST)):
@@ -124,32 +131,57 @@ def _whitened(piece: Panels, whitening: Array) -> Array:
 
 
 class _Chain:
-    """S at the end of the last panel, as rows that are triangularised from time to time."""
+    """S at the end of the last panel, as rows that are triangularised from time to time.
 
-    def __init__(self, moving: Array, priors: Array) -> None:
+    The column of a state that decays without noise grows without bound; such columns are in units of their
+    own, x = 2^e z, which nobody sees who eliminates them. ``kept``: the states that are not eliminated.
+    """
+
+    def __init__(self, moving: Array, priors: Array, kept: Counts) -> None:
         self._rows = priors
         self._moving = moving
+        self._free = np.setdiff1d(moving, kept)
         self._whole = np.eye(priors.shape[1])
+        self._exponents = np.zeros(priors.shape[1])
+        self._units = np.ones(priors.shape[1])
+        self._ratio = np.ones((len(moving), priors.shape[1]))
 
     def advance(self, transition: Array, rows: Array) -> None:
         """Carry the rows to the end of a panel and take in those measured on it."""
-        self._whole[self._moving] = transition
-        self._rows = np.concatenate([self._rows @ self._whole, rows])
+        self._whole[self._moving] = np.where(transition == 0, 0.0, transition * self._ratio)
+        self._rows = np.concatenate([self._rows @ self._whole, rows * self._units])
+        if np.abs(self._rows[:, self._free]).max(initial=0.0) > _LARGE:
+            self._rescale()
         if len(self._rows) > _GATHERED * self._rows.shape[1]:
             self._rows = _triangle(self._rows)
 
     def drive(self, L: Array) -> None:
         """Let driving noise with covariance L Lᵀ act."""
-        self._rows = _driven(self._rows, L)
+        self._rows = _driven(self._rows, L / self._units[:, None])
+
+    def _rescale(self) -> None:
+        size = np.abs(self._rows[:, self._free]).max(axis=0)
+        exponent = np.zeros(len(self._exponents))
+        exponent[self._free] = -np.round(np.log2(np.where(size > _LARGE, size, 1.0)))
+        self._rows = self._rows * 2.0**exponent
+        self._exponents += exponent
+        self._units = _two_to(self._exponents)
+        self._ratio = _two_to(self._exponents - self._exponents[self._moving][:, None])
 
     def snapshot(self, L: Array | None) -> Array:
         """Return S, shape (n, n), with the driving noise still to come at this instant."""
         n = self._rows.shape[1]
         self._rows = _triangle(self._rows)
-        rows = self._rows if L is None else _driven(self._rows, L)
+        rows = self._rows if L is None else _driven(self._rows, L / self._units[:, None])
         root = np.zeros((n, n))
         root[: len(rows)] = rows
         return root
+
+
+def _two_to(exponents: Array) -> Array:
+    """Return 2^e, infinite or zero where that is too large or too small."""
+    with np.errstate(over="ignore", under="ignore"):
+        return np.exp2(np.clip(exponents, -_FARTHEST - 100, _FARTHEST + 100))
 
 
 def _driven(rows: Array, L: Array) -> Array:
@@ -171,13 +203,22 @@ def _marginal(roots: Array, kept: Counts) -> Array:
     """Return the information on the states kept, the others eliminated, shape (N, c, c).
 
     What is left of a column after the elimination is nothing where it is below rounding of the column.
+
+    Raises
+    ------
+    NotComputableError
+        where a direction of the others is neither seen nor unseen
     """
     n = roots.shape[-1]
     unknown = np.setdiff1d(np.arange(n), kept)
     found = np.zeros((len(roots), len(kept), len(kept)))
     for k, root in enumerate(roots):
         left, values, _ = np.linalg.svd(root[:, unknown] / _units(root[:, unknown]))
-        r = int((values > _ZERO * values.max(initial=0.0)).sum())
+        r = int((values > _ZERO).sum())
+        if r and values[r - 1] < _CLEAR:
+            raise NotComputableError(
+                "what starts anew is seen too dimly to be told from what is shared: give it a prior"
+            )
         units = _units(root[:, kept])
         _, size, right = np.linalg.svd(left[:, r:].T @ root[:, kept] / units, full_matrices=False)
         c = int((size > _ZERO).sum())

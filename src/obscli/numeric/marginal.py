@@ -17,18 +17,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from obscli.numeric.gramian import Gramian, squared_rounding
+from obscli.numeric.gramian import LOST, Gramian, squared_rounding
 from obscli.numeric.program import EPS, Array, Counts
 from obscli.numeric.subspace import CLEAR, TOLERANCE, Subspaces
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Marginal:
-    """S (r, c) in the file's units, |ΔS v|² ≲ vᵀ E v; ``decided``: no direction of F is in the grey zone."""
+    """S (r, c) in the file's units, |ΔS v|² ≲ vᵀ E v.
+
+    ``decided``: no direction of F is in the grey zone; ``dropped``: how many were taken as not seen at all.
+    One of these that is seen after all, below rounding, would take a row from S.
+    """
 
     root: Array
     error: Array
     decided: bool
+    dropped: int
 
 
 def marginal(spaces: Subspaces, i: int, kept: Counts) -> Marginal:
@@ -63,6 +68,7 @@ def marginal(spaces: Subspaces, i: int, kept: Counts) -> Marginal:
         (left[:, r:].T @ C) * scale,
         through * scale * scale[:, None],
         bool(r == 0 or values[r - 1] >= CLEAR * TOLERANCE * noise[r - 1]),
+        int((F != 0).any(axis=0).sum()) - r,
     )
 
 
@@ -81,6 +87,8 @@ def joined(labels: Array, parts: Sequence[Sequence[Marginal]]) -> Gramian:
         triangle = np.linalg.qr(rows, mode="r")
         matrices[k, : len(triangle)] = triangle
         error[k] = sum(one.error for one in group)
+        if not all(one.decided for one in group):  # what was eliminated may be less, or more
+            error[k] = LOST * np.eye(n)
         error[k].flat[:: n + 1] += squared_rounding(n) * (rows**2).sum(axis=0)
     zeros, ones = np.zeros(len(parts)), np.ones((len(parts), n))
     return Gramian("square-root", labels, zeros, matrices, ones, error, zeros)

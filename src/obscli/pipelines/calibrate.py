@@ -139,8 +139,11 @@ def with_gramians(
     )
     if seen.together is None:
         return replace(result, no_accuracy=seen.reason)
+    there = exact.at_file.stack
+    if there is None:
+        return replace(result, no_accuracy=exact.at_file.reason)
     try:
-        told = informed(exact.runs, exact.stack.system, model.require, progress)
+        told = informed(there, exact.stack.system, model.require, progress)
     except NotComputableError as error:
         return replace(result, no_accuracy=str(error))
     return replace(result, accuracy=accuracy(told))

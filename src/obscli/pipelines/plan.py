@@ -7,7 +7,7 @@ from dataclasses import replace
 from obscli.core.verification import NotVerified
 from obscli.experiment.accuracy import accuracy
 from obscli.experiment.agreement import verify_together
-from obscli.experiment.informed import Informed, RunInformation, known_value
+from obscli.experiment.informed import Informed, known_value
 from obscli.experiment.planning import plan as choose
 from obscli.experiment.ranking import RankedSet
 from obscli.experiment.special import at_file
@@ -76,11 +76,13 @@ def _checked(result: PlanResult, request: PlanRequest, progress: Progress) -> Pl
         return result
     runs = [found.runs[k] for k in dict.fromkeys(chosen.runs)]
     progress("the plan against the Gramians")
-    stack = proved(runs, found.shared)
+    stack = proved(runs, found.shared, base=result.model.systems[0])
     look = Looks(result.model, request.numeric, progress)
     try:
         seen = witnessed(runs, stack.system, look.numeric, settings_of(stack.system, request.numeric))
-        verification = verify_together(stack, at_file(stack, found.shared, None), seen)
+        there = at_file(stack, found.shared, None)
+        verification = verify_together(stack, there, seen)
+        result = replace(result, rank_at_values=there.rank)
     except NotComputableError as error:
         verification = NotVerified(str(error))
     result = replace(result, chosen=stack, verification=verification)
@@ -96,5 +98,5 @@ def _of(told: Informed, chosen: RankedSet) -> Informed:
     for place, k in enumerate(chosen.runs):
         one = told.runs[k]
         count = len(one.elapsed) if ends is None else int((one.elapsed <= ends[place] * (1 + 1e-9)).sum())
-        runs.append(RunInformation(one.run, one.elapsed[:count], one.roots[:count]))
-    return replace(told, runs=tuple(runs))
+        runs.append(replace(one, elapsed=one.elapsed[:count], roots=one.roots[:count]))
+    return replace(told, runs=tuple(runs), kernels={})

@@ -34,7 +34,7 @@ def plan_data(results: Iterable[PlanResult], changes: Changes) -> dict[str, obje
 
 def _result(result: PlanResult) -> dict[str, object]:
     plan, found = result.plan, result.plan.found
-    finding = plan.stack.finding
+    finding = plan.there.finding
     directions = finding.unobservable if isinstance(finding, Analysis) else ()
     return {
         "model": {"name": result.model.name, "file": str(result.model.file), "stage": None},
@@ -55,6 +55,7 @@ def _result(result: PlanResult) -> dict[str, object]:
             "forbidden_sets": [list(one) for one in plan.not_together],
             "setup_time": json_number(plan.setup_time),
             "rank": found.rank,
+            "rank_at_values": result.rank_at_values,
             "rank_of_all": finding.rank if isinstance(finding, Analysis) else None,
             "columns": len(plan.shared),
             "size": found.size,

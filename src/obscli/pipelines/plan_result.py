@@ -23,7 +23,7 @@ class PlanResult:
     ----------
     model, experiment : what it is about; ``is_default``: the file has no experiment, every stage is a run
     plan : what was chosen, and from what
-    chosen : what the recommended runs determine, proved
+    chosen : what the recommended runs determine, proved; ``rank_at_values``: at the file's values
     verification : that against the Gramians
     accuracy : after the recommended runs, each as long as it has to be
     """
@@ -33,6 +33,7 @@ class PlanResult:
     plan: Plan
     is_default: bool = False
     chosen: Stack | None = None
+    rank_at_values: int | None = None
     verification: Verification | NotVerified | None = None
     accuracy: Accuracy | None = None
 

@@ -27,7 +27,7 @@ def verify_experiment(model: Model, request: NumericRequest, progress: Progress)
         return None
     experiment, _ = experiment_of(model)
     progress(f"{model.name}: experiment")
-    runs, _ = told_apart(experiment.runs)
+    runs, _ = told_apart(experiment.runs, model.systems[0])
     stack = analysed(runs, experiment.shared, silent, critical=False, base=model.systems[0])
     look, settings = Looks(model, request), settings_of(stack.system, request)
     verification = verify_together(
@@ -35,7 +35,9 @@ def verify_experiment(model: Model, request: NumericRequest, progress: Progress)
         at_file(stack, experiment.shared, None) if isinstance(stack.finding, Analysis) else None,
         witnessed(runs, stack.system, look.numeric, settings),
     )
-    subject = Subject(experiment.runs, experiment.everything, experiment.shared, look.numeric, settings)
+    subject = Subject(
+        experiment.runs, experiment.everything, experiment.shared, look.numeric, settings, model.systems[0]
+    )
     checks = (
         *_run_checks(stack, look),
         replace(certified(stack.system, stack.finding), claim=_matrix(stack)),

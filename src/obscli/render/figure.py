@@ -148,6 +148,8 @@ def _label_abscissa(axes: list[Axes], label: str) -> None:
 
 
 def _draw(panel: Panel, axes: Axes) -> None:
+    for mark in panel.marks:
+        axes.axvline(mark, color="0.75", linewidth=0.8, linestyle=(0, (4, 4)))
     for curve in panel.curves:
         style = STYLES[curve.emphasis] | (MARKS if curve.marked else {})
         axes.plot(curve.x, curve.y, label=in_figure(curve.label), **style)

@@ -212,8 +212,9 @@ def _special_blocks(special: Special | None, system: System) -> Iterator[Block]:
         if special.complete
         else "Not complete: other values may exist."
     )
-    yield Paragraph(plain(scope if confirmed else f"No such value found. {scope}"))
     apart = tuple(one for one in special.drops if one.kind != "confirmed")
+    none = "No such value is proved." if apart else "No such value found."
+    yield Paragraph(plain(scope if confirmed else f"{none} {scope}"))
     if apart:
         yield Listing(tuple(plain(f"{one.condition}: {one.reason or one.kind}") for one in apart))
     if special.not_searched:

@@ -33,7 +33,10 @@ def calibration_figures(results: Iterable[CalibrationResult]) -> Iterator[Figure
         )
         if result.accuracy is not None:
             yield Figure(
-                f"{result.title}-gain", f"{result.title}: what each run gains", "", (gain_map(result),)
+                f"{result.title}-gain",
+                f"{result.title}: what each run alone gains over the prior",
+                "",
+                (gain_map(result),),
             )
             yield from deviation_figures(
                 result.title,
@@ -115,7 +118,9 @@ def _panel(states: Sequence[State], found: Accuracy, indices: list[int], require
     curves += [Curve("required", (times[0], times[-1]), (value, value), "limit") for value in asked]
     first = states[indices[0]]
     unit = f" [{first.unit}]" if first.unit else ""
-    return Panel(_names(states, indices), f"σ{unit}", tuple(curves), logarithmic=True)
+    return Panel(
+        _names(states, indices), f"σ{unit}", tuple(curves), logarithmic=True, marks=found.history.ends[:-1]
+    )
 
 
 STYLES: Final = ("main", "reference", "one of many")

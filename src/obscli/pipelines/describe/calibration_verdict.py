@@ -42,6 +42,8 @@ LEGEND: Final = (
     "durations, the states that start anew eliminated; χ: the largest leak of a combination into the kernel; "
     "bound: what rounding may account for."
 )
+#: Runs named in advice.
+MOST: Final = 12
 SIGNS: Final = {"verified": "✓", "contradicted": "✗", "undecided": "?"}
 ROLES: Final = {"verified": "good", "contradicted": "bad", "undecided": "open"}
 
@@ -187,7 +189,8 @@ def _advice(result: CalibrationResult) -> Iterator[str]:
         )
     elif idle and len(result.runs) > 1:
         runs, does = ("run", "determines") if len(idle) == 1 else ("runs", "determine")
+        named = ", ".join(idle[:MOST]) + (", …" if len(idle) > MOST else "")
         yield (
-            f"{runs} {', '.join(idle)} {does} nothing new, only the accuracy gains. `obscli plan` finds the "
-            "smallest sets of runs."
+            f"{runs} {named} {does} nothing new, only the accuracy gains. `obscli plan` finds the smallest "
+            "sets of runs."
         )

@@ -67,6 +67,8 @@ def _blocks(result: PlanResult) -> Iterator[Block]:
     yield from _chosen_blocks(result)
     if result.accuracy is not None:
         yield from required_blocks(result.accuracy)
+        for note in result.accuracy.notes:
+            yield Note("note", plain(note))
     elif result.model.require:
         yield Note("warning", plain(f"whether the requirements are met is open: {result.plan.no_accuracy}"))
     yield from _missing_blocks(result)
@@ -81,7 +83,7 @@ def _chosen_blocks(result: PlanResult) -> Iterator[Block]:
     chosen = plan.chosen
     yield Heading(2, plain("Plan"))
     if chosen is None:
-        yield Paragraph(plain("No candidate determines anything."))
+        yield Paragraph(plain("No candidate determines anything of what is shared."))
         return
     at, rows = 0.0, []
     lengths = [plan.durations[k] for k in chosen.runs]
@@ -110,9 +112,11 @@ def _how_chosen(result: PlanResult, chosen: RankedSet) -> Iterator[Block]:
     plan = result.plan
     lines = []
     if plan.extended is not None:
+        first = plan.ranked[0] if plan.ranked else None
+        why = "would take longer" if first is not None and first.is_met else "do not meet what is required"
         lines.append(
-            f"the smallest sets ({counted(plan.found.size, 'run')}) do not meet what is required; runs were "
-            "added, each the one that gains most for its time, and those no longer needed left out"
+            f"the smallest sets ({counted(plan.found.size, 'run')}) {why}; here runs were added one by one, "
+            "each the one that brings the requirements nearest for its time, and those not needed left out"
         )
     if chosen.shortest is not None:
         steps = ", ".join(dict.fromkeys(number(step) for step in chosen.shortest.steps))
@@ -129,8 +133,12 @@ def _how_chosen(result: PlanResult, chosen: RankedSet) -> Iterator[Block]:
 def _missing_blocks(result: PlanResult) -> Iterator[Block]:
     """Yield what no candidate can determine, and which kind of run would."""
     plan = result.plan
-    finding = plan.stack.finding
+    finding = plan.there.finding
     assert isinstance(finding, Analysis)
+    generic = plan.stack.finding
+    if isinstance(generic, Analysis) and generic.rank > finding.rank:
+        text = f"at your values all candidates determine {finding.rank}, at generic ones {generic.rank}"
+        yield Note("warning", plain(text))
     if not finding.unobservable:
         return
     count = counted(len(finding.unobservable), "direction")
@@ -153,10 +161,10 @@ def _suggestion_blocks(result: PlanResult) -> Iterator[Block]:
         rows = tuple(
             (line(Text(one.words)), line(Text(f"{one.rank} of {n}"))) for one in plan.suggestions[:SHOWN]
         )
-        yield Table((Column(breaks=True), Column("rank", "right")), rows)
+        yield Table((Column("kind of run", breaks=True), Column("rank", "right")), rows)
     elif plan.tried:
         yield Paragraph(
-            plain(f"None of the {len(plan.tried)} kinds of runs tried would: turned bodies, signs, angles, …")
+            plain(f"None of {counted(len(plan.tried), 'kind')} of runs tried would: turned, signs, angles, …")
         )
     tried = Listing(tuple(plain(one) for one in plan.tried))
     yield Details((Paragraph(plain("Tried:")), tried))
@@ -169,7 +177,9 @@ def _verdict_blocks(result: PlanResult) -> Iterator[Block]:
     if stack is None or not isinstance(stack.finding, Analysis):
         yield VerdictLine("open", plain("no plan"))
         return
-    proof = f"proved exactly (generic): the plan determines {stack.finding.rank} of {n}"
+    proof = f"proved exactly: the plan determines {stack.finding.rank} of {n} (generic)"
+    if result.rank_at_values is not None and result.rank_at_values != stack.finding.rank:
+        proof += f", at your values {result.rank_at_values}"
     if isinstance(found, Verification):
         agree = f"{found.agree} of {len(found.points)} fractions of the runs"
         if found.verdict == "verified":

@@ -61,7 +61,9 @@ def set_blocks(result: PlanResult) -> Iterator[Block]:
         rest = Table(columns, tuple(_set_row(one) for one in plan.ranked[SHOWN : 20 * SHOWN]))
         more = f"and {len(found.sets) - len(shown)} more"
         if len(plan.ranked) < len(found.sets):
-            more += f"; margins of the {len(plan.ranked)} shortest were looked at"
+            more += (
+                f"; the margins of {len(plan.ranked)} were looked at, the best improved by exchanging runs"
+            )
         yield Paragraph(plain(more))
         yield Details((rest,))
 
@@ -70,7 +72,7 @@ def _search(result: PlanResult) -> str:
     plan, found = result.plan, result.plan.found
     n, runs = len(plan.shared), counted(found.size, "run")
     reach = f"{found.rank} of {n}"
-    finding = plan.stack.finding
+    finding = plan.there.finding
     assert isinstance(finding, Analysis)
     if found.rank < finding.rank:
         reach += f" (all candidates together {finding.rank}, but some may not be combined)"
@@ -79,8 +81,15 @@ def _search(result: PlanResult) -> str:
         return f"1 run is enough for {reach}; {len(found.sets)} of {candidates} will do."
     if found.exhaustive:
         every = comb(len(plan.runs), found.size)
-        all_of_them = len(found.sets) == every
-        which = f"every set of {runs} does" if all_of_them else f"{len(found.sets)} of {every} sets do"
+        which = f"{len(found.sets)} of {every} sets do"
+        if plan.not_together:
+            which = (
+                f"{counted(len(found.sets), 'allowed set')} do"
+                if len(found.sets) > 1
+                else "1 allowed set does"
+            )
+        elif len(found.sets) == every:
+            which = f"every set of {runs} does"
         looked = f"ranks modulo a prime, {found.looked_at} unions looked at"
         return f"{runs} are the fewest that reach {reach}; {which}. No smaller set does ({looked})."
     guarantee = (

@@ -38,4 +38,5 @@ def ratio(value: float) -> str:
 
 def minutes(seconds: float) -> str:
     """Return a time as minutes, where the unit of time is the second."""
-    return short(seconds / 60, 3)
+    value = seconds / 60
+    return str(round(value)) if value >= 100 else short(value, 3)
