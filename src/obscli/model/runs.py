@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Sequence
 from collections.abc import Mapping as MappingOf
 from dataclasses import replace
+from fractions import Fraction
 from typing import TypeAlias
 
 from obscli.model.constant import constant
@@ -155,10 +156,18 @@ def _forbidden(node: Node, drafts: Sequence[RunDraft], problems: Problems) -> It
 
 def _has(draft: RunDraft, wanted: MappingOf[str, str]) -> bool:
     """Whether a candidate has all the values: of ``stage``, and of what it fixes."""
-    values = {name: entry.formula.text for name, entry in draft.fix.items() if entry.formula}
-    return all(
-        (draft.stage if name == "stage" else values.get(name)) == text for name, text in wanted.items()
-    )
+    values = {name: _canonical(entry.formula.text) for name, entry in draft.fix.items() if entry.formula}
+    values["stage"] = _canonical(draft.stage or "")
+    return all(values.get(name) == text for name, text in wanted.items())
+
+
+def _canonical(text: str) -> str:
+    """Return a number as a fraction, so that 0.5 is 1/2; other expressions without blanks."""
+    together = "".join(text.split())
+    try:
+        return str(Fraction(together))
+    except (ValueError, ZeroDivisionError):
+        return together
 
 
 def _names_in(node: Node, known: Sequence[str], problems: Problems) -> Iterator[str]:
