@@ -12,7 +12,7 @@ from obscli.core.check import CheckResult
 from obscli.exact.finding import Analysis
 from obscli.experiment.own_symbols import told_apart
 from obscli.experiment.special import at_file, nominal, specialised
-from obscli.experiment.stacked import Stack, proved
+from obscli.experiment.stacked import Memo, Stack, proved
 from obscli.experiment.witnessed import Look, witnessed
 from obscli.model.specialise import Specialisation, at_nominal
 from obscli.model.system import Claim, Run, System
@@ -29,6 +29,7 @@ class Subject:
     look: Look
     settings: Settings
     base: System
+    memo: Memo
 
 
 def check_experiment_claims(claims: Sequence[Claim], subject: Subject) -> Iterator[CheckResult]:
@@ -82,12 +83,12 @@ def _ground(claim: Claim, which: Sequence[str], subject: Subject) -> Ground:
     named = [run for run in subject.known if run.name in which]
     chosen = named or subject.runs
     runs, own = told_apart(chosen, subject.base)
-    generic = proved(runs, subject.shared)
+    generic = proved(runs, subject.shared, memo=subject.memo)
     if claim.at is None:
         special = Specialisation(generic.system, {})
         return Ground(generic.finding, special, _witness(generic, subject))
     if claim.at == "nominal":
-        there = nominal(generic, subject.shared)
+        there = nominal(generic, subject.shared, subject.memo)
         return Ground(there.finding, at_nominal(generic.system), _witness(there, subject))
     values = {**claim.at, **{one.name: claim.at[one.of] for one in own if one.of in claim.at}}
     there = specialised(generic, subject.shared, values)
@@ -98,7 +99,7 @@ def _witness(stack: Stack, subject: Subject) -> Witness | str:
     """Return the joint Gramian, or why it is no witness."""
     if not isinstance(stack.finding, Analysis):
         return "the exact side is undecided"
-    rank = at_file(stack, subject.shared, None).rank
+    rank = at_file(stack, subject.shared, None, subject.memo).rank
     if rank is not None and rank != stack.finding.rank:
         return f"the Gramians are no witness: at the file's values the rank is {rank}"
     runs = [one.run for one in stack.runs]

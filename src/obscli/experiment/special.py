@@ -14,10 +14,10 @@ from obscli.exact.analysis import contained
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.finding import Analysis, CriticalValue, Undecided
 from obscli.exact.nominal import vanishes_at_nominal
-from obscli.experiment.stacked import Progress, Stack, proved
+from obscli.experiment.stacked import Memo, Progress, Stack, proved
 from obscli.model.expression import Expression, symbols
 from obscli.model.notation import to_text
-from obscli.model.specialise import Specialisation, at_nominal
+from obscli.model.specialise import Specialisation
 from obscli.model.system import Covector, Run, System
 
 
@@ -147,13 +147,13 @@ def _parameters(system: System) -> frozenset[str]:
     return frozenset(one.name for one in system.parameters)
 
 
-def at_file(whole: Stack, shared: Sequence[str], special: Special | None) -> AtFile:
+def at_file(whole: Stack, shared: Sequence[str], special: Special | None, memo: Memo | None = None) -> AtFile:
     """Return the experiment at the file's values of all parameters."""
     missing = _without_value(whole)
     if missing:
         text = f"no value for {', '.join(missing)}; give one with --set {missing[0]}=…"
         return AtFile(None, reason=text)
-    there = nominal(whole, shared)
+    there = nominal(whole, shared, memo)
     if isinstance(there.finding, Undecided):
         return AtFile(None, reason=there.finding.reason)
     assert isinstance(whole.finding, Analysis)
@@ -167,16 +167,11 @@ def at_file(whole: Stack, shared: Sequence[str], special: Special | None) -> AtF
     return AtFile(there, because)
 
 
-def nominal(whole: Stack, shared: Sequence[str]) -> Stack:
+def nominal(whole: Stack, shared: Sequence[str], memo: Memo | None = None) -> Stack:
     """Return the experiment with all parameters replaced by their values, analysed anew."""
-    known: dict[int, System] = {}
-    runs = []
-    for one in whole.runs:
-        system = one.run.system
-        if id(system) not in known:
-            known[id(system)] = at_nominal(system).system()
-        runs.append(replace(one.run, system=known[id(system)]))
-    return proved(runs, shared)
+    memo = memo or Memo()
+    runs = [replace(one.run, system=memo.nominal(one.run.system)) for one in whole.runs]
+    return proved(runs, shared, memo=memo)
 
 
 def _without_value(whole: Stack) -> list[str]:

@@ -24,6 +24,7 @@ from obscli.exact.analysis import Options, analyze
 from obscli.exact.finding import Analysis, StateVerdict, Undecided
 from obscli.exact.without import rows_without
 from obscli.model.expression import symbols
+from obscli.model.specialise import at_nominal
 from obscli.model.system import Covector, Matrix, Output, Parameter, Quantity, Run, System
 
 
@@ -74,6 +75,27 @@ class Stack:
         return tuple(tuple(row for row in one.rows if next(names) in new) for one in self.runs)
 
 
+class Memo:
+    """Rows and systems that several questions about the same runs need, found once each."""
+
+    def __init__(self) -> None:
+        self._rows: dict[tuple[int, tuple[str, ...]], RunRows] = {}
+        self._nominal: dict[int, tuple[System, System]] = {}
+
+    def rows(self, run: Run, shared: tuple[str, ...]) -> RunRows:
+        """Return the rows of a run; ``run`` is what the memo remembers them with."""
+        key = (id(run.system), shared)
+        if key not in self._rows:
+            self._rows[key] = _proved_rows(run, frozenset(shared))
+        return self._rows[key]
+
+    def nominal(self, system: System) -> System:
+        """Return the system with its parameters replaced by their values."""
+        if id(system) not in self._nominal:
+            self._nominal[id(system)] = (system, at_nominal(system).system())
+        return self._nominal[id(system)][1]
+
+
 def analysed(
     runs: Sequence[Run],
     shared: Sequence[str],
@@ -111,6 +133,7 @@ def proved(
     shared: Sequence[str],
     told: Callable[[int, str], None] = lambda _k, _name: None,
     base: System | None = None,
+    memo: Memo | None = None,
 ) -> Stack:
     """Return only what the runs determine, without a report on each.
 
@@ -118,16 +141,21 @@ def proved(
     ----------
     told : told which run is looked at, counted from 1, and its name
     base : the file's system, for its quantities and the values of its parameters
+    memo : of what was found before
     """
-    kept = frozenset(shared)
+    memo = memo or Memo()
     place = {id(run): k for k, run in enumerate(runs, start=1)}
 
     def rows_of(run: Run) -> RunRows:
         told(place[id(run)], run.name)
-        rows = rows_without(run.system, [name for name in run.system.state_names if name not in kept])
-        return RunRows(run, (), rows.reason) if isinstance(rows, Undecided) else _told_by(run, rows)
+        return memo.rows(run, tuple(shared))
 
     return stacked(_each_once(runs, rows_of), shared, Options(critical=False), base)
+
+
+def _proved_rows(run: Run, shared: frozenset[str]) -> RunRows:
+    rows = rows_without(run.system, [name for name in run.system.state_names if name not in shared])
+    return RunRows(run, (), rows.reason) if isinstance(rows, Undecided) else _told_by(run, rows)
 
 
 def _each_once(runs: Sequence[Run], rows_of: Callable[[Run], RunRows]) -> tuple[RunRows, ...]:

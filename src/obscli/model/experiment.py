@@ -39,6 +39,11 @@ class RunDraft:
     path: str
     turn: tuple[str, Formula] | None = None
 
+    @property
+    def changes_nothing(self) -> bool:
+        """Whether the run is its stage as it stands."""
+        return self.change.is_empty and not self.fix and self.turn is None
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExperimentDraft:

@@ -130,8 +130,8 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
         return None
     scope, states = scope_of(systems[0]), systems[0].states
     wanted = {name for one in states for name in (one.name, one.vector) if name} | draft.quantities.keys()
-    found = experiment_of(experiment, plan, _elaborated(variants, options), problems)
     chosen = tuple(selected(system, options, problems) for system in systems)
+    found = experiment_of(experiment, plan, _elaborated(variants, options, chosen), problems)
     about_it = claims_of(about_experiment(claims, found, problems), scope, states, problems)
     return replace(
         model,
@@ -142,11 +142,14 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     )
 
 
-def _elaborated(variants: Variants, options: Options) -> Elaborated:
-    """Return what makes the system of a run, all changes made."""
+def _elaborated(variants: Variants, options: Options, stages: Sequence[System]) -> Elaborated:
+    """Return what makes the system of a run, all changes made; its stage's own where it changes nothing."""
     meter = Meter(RUNS_WORK)
+    known = {one.stage: one for one in stages if one.stage is not None}
 
     def of(run: RunDraft, problems: Problems) -> System | None:
+        if run.changes_nothing and run.stage in known:
+            return known[run.stage]
         system = variants.run(run, meter, problems)
         return None if system is None else selected(system, options, problems)
 

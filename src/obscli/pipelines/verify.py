@@ -38,11 +38,12 @@ def verify(
     """
     results = []
     for model in models:
+        look = Looks(model, numeric)
         for system in chosen_systems(model, stages):
             progress(f"{model.name}: {system.stage or 'base'}")
-            results.append(_checked(model, _with_claims(system, claims), numeric))
+            results.append(_checked(model, _with_claims(system, claims), look))
         if not stages and not claims:
-            experiment = verify_experiment(model, numeric, progress)
+            experiment = verify_experiment(model, look, numeric, progress)
             results += [] if experiment is None else [experiment]
     return VerifyReport(tuple(results))
 
@@ -62,9 +63,8 @@ def _with_claims(system: System, texts: tuple[str, ...]) -> System:
     return replace(system, claims=added)
 
 
-def _checked(model: Model, system: System, request: NumericRequest) -> StageChecks:
+def _checked(model: Model, system: System, look: Looks) -> StageChecks:
     finding = engine.analyze(system, engine.Options(critical=False), silent)
-    look = Looks(model, request)
     verification = verify_analysis(finding, look.numeric(system))
     checks = (certified(system, finding), agreed(verification), *check_claims(system, finding, look))
     return StageChecks(model, system, checks, verification)

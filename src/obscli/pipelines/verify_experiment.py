@@ -11,7 +11,7 @@ from obscli.experiment.agreement import verify_together
 from obscli.experiment.claims import Subject, check_experiment_claims
 from obscli.experiment.own_symbols import told_apart
 from obscli.experiment.special import at_file
-from obscli.experiment.stacked import RunRows, Stack, analysed
+from obscli.experiment.stacked import Memo, RunRows, Stack, analysed
 from obscli.experiment.witnessed import witnessed
 from obscli.model.system import Model
 from obscli.pipelines.calibrate import experiment_of
@@ -21,7 +21,9 @@ from obscli.pipelines.request import NumericRequest, Progress, silent
 from obscli.pipelines.stage_result import StageChecks
 
 
-def verify_experiment(model: Model, request: NumericRequest, progress: Progress) -> StageChecks | None:
+def verify_experiment(
+    model: Model, look: Looks, request: NumericRequest, progress: Progress
+) -> StageChecks | None:
     """Return the checks of the experiment of a model; None where there is none, and no claim about it."""
     if model.experiment is None and not model.claims:
         return None
@@ -29,14 +31,20 @@ def verify_experiment(model: Model, request: NumericRequest, progress: Progress)
     progress(f"{model.name}: experiment")
     runs, _ = told_apart(experiment.runs, model.systems[0])
     stack = analysed(runs, experiment.shared, silent, critical=False, base=model.systems[0])
-    look, settings = Looks(model, request), settings_of(stack.system, request)
+    settings, memo = settings_of(stack.system, request), Memo()
     verification = verify_together(
         stack,
-        at_file(stack, experiment.shared, None) if isinstance(stack.finding, Analysis) else None,
+        at_file(stack, experiment.shared, None, memo) if isinstance(stack.finding, Analysis) else None,
         witnessed(runs, stack.system, look.numeric, settings),
     )
     subject = Subject(
-        experiment.runs, experiment.everything, experiment.shared, look.numeric, settings, model.systems[0]
+        experiment.runs,
+        experiment.everything,
+        experiment.shared,
+        look.numeric,
+        settings,
+        model.systems[0],
+        memo,
     )
     checks = (
         *_run_checks(stack, look),
