@@ -7,8 +7,9 @@ the prior U (P₀⁻¹ = Uᵀ U) and states n without one, S = (S_p  F):
     S' = W_⊥ᵀ S_p             what is left tells of x_p:  Rᵀ R = Uᵀ U + S'ᵀ S'
     σ²(e) = |e_n F⁺|² + |R^(−T) (e_p − e_n F⁺ S_p)|²
 
-infinite where e has a part along a direction of K without a component in p. R comes from a QR factorisation
-with pivoting, the largest rows first, so that a prior much wider than what is learned keeps its digits.
+infinite where e has a part along a direction of K without a component in p. F is decomposed in coordinates
+of the complement of these directions, in units of its own columns. R comes from a QR factorisation with
+pivoting, the largest rows first, so that a prior much wider than what is learned keeps its digits.
 
 References
 ----------
@@ -27,6 +28,9 @@ from obscli.numeric.program import Array, Flags
 
 #: Exact rows and directions evaluated in floating point are zero below this, relative to their terms.
 _ZERO: Final = 1e-9
+
+#: An entry of an orthonormal basis below this is rounding.
+_ROUNDING: Final = 1e-13
 
 
 def unseen(rows: Array) -> Array:
@@ -55,41 +59,60 @@ def deviations(prior: Array, root: Array, covectors: Array, kernel: Array) -> Ar
     kernel : directions that S does not see, known exactly, shape (n, q)
     """
     given: Flags = (prior != 0).any(axis=0)
-    free = _without_prior(kernel, given)
+    free, lengths = _without_prior(kernel, given)
     e_p, e_n = covectors[:, given], covectors[:, ~given]
-    hidden = np.linalg.norm(e_n @ free, axis=1) > _ZERO * np.linalg.norm(abs(e_n) @ abs(free), axis=1)
+    along = e_n * lengths
+    hidden = np.linalg.norm(along @ free, axis=1) > _ZERO * np.linalg.norm(abs(along) @ abs(free), axis=1)
     triangle: Array = np.zeros((0, root.shape[1]))
     if len(root):
         triangle = np.linalg.qr(root, mode="r")  # type: ignore[assignment]  # no QRResult in this mode
     S_p, F = triangle[:, given], triangle[:, ~given]
-    F = F - (F @ free) @ free.T  # rounding along what is known not to be seen
-    size = np.linalg.norm(F, axis=0)
+    blind = abs(np.linalg.norm(free, axis=1) - 1) < _ZERO
+    size = np.where(blind, 0.0, np.linalg.norm(F, axis=0))
     units = np.where(size > 0, size, 1.0)
-    W, s, X = np.linalg.svd(F / units)
-    r = min(F.shape[1] - free.shape[1], len(s))
+    Z = _complement(free * (units * lengths)[:, None])
+    Z[blind] = 0.0
+    W, s, X = np.linalg.svd(F / units @ Z)
+    r = len(s)
     with np.errstate(divide="ignore", invalid="ignore"):
-        through = (e_n / units) @ (X[:r].T / s[:r])
+        through = (e_n / units) @ Z @ (X[:r].T / s)
         rest = e_p - through @ (W[:, :r].T @ S_p)
         squared = (through**2).sum(axis=1) + _squared(prior[:, given], W[:, r:].T @ S_p, rest)
     return np.where(hidden | ~np.isfinite(squared), np.inf, np.sqrt(squared))
 
 
-def _without_prior(kernel: Array, given: Flags) -> Array:
-    """Return an orthonormal basis of the directions in the kernel without a component that has a prior."""
-    size = np.linalg.norm(kernel, axis=0)
-    unit = kernel / np.where(size > 0, size, 1.0)
+def _without_prior(kernel: Array, given: Flags) -> tuple[Array, Array]:
+    """Return the directions x = D z in the kernel without a component that has a prior, and D's diagonal.
+
+    They are an orthonormal basis in z, zero where an entry is rounding.
+    """
+    size = np.abs(kernel).max(axis=1, initial=0.0)
+    lengths = np.where(size > 0, size, 1.0)
+    unit = kernel / lengths[:, None]
     inside = unit[~given] @ _null(unit[given])
     basis, values, _ = np.linalg.svd(inside, full_matrices=False)
-    orthonormal: Array = basis[:, values > _ZERO]
-    return orthonormal
+    return _clean(basis[:, values > _ZERO]), lengths[~given]
+
+
+def _complement(columns: Array) -> Array:
+    """Return an orthonormal basis of what is orthogonal to independent columns, the largest rows first."""
+    order = np.argsort(-np.abs(columns).max(axis=1, initial=0.0), kind="stable")
+    Q = np.zeros((len(columns), len(columns)))
+    Q[order] = qr(columns[order], pivoting=True)[0]
+    return Q[:, columns.shape[1] :]
+
+
+def _clean(basis: Array) -> Array:
+    """Return an orthonormal basis with the rounding in its zeros taken away."""
+    cleaned: Array = np.where(np.abs(basis) > _ROUNDING, basis, 0.0)
+    return cleaned
 
 
 def _null(matrix: Array) -> Array:
     """Return an orthonormal basis of the kernel, columns."""
     _, values, right = np.linalg.svd(matrix)
     rank = int((values > _ZERO * values.max(initial=0.0)).sum())
-    kernel: Array = right[rank:].T
-    return kernel
+    return _clean(right[rank:].T)
 
 
 def _squared(U: Array, S: Array, forms: Array) -> Array:

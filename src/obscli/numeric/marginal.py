@@ -50,6 +50,7 @@ def marginal(spaces: Subspaces, i: int, kept: Counts) -> Marginal:
     matrix = spaces.values[i][:, None] * spaces.right[i]
     error = spaces.gramian.error[i]
     F, C = matrix[:, unknown], matrix[:, kept]
+    F[:, ~spaces.gramian.matrices[i][:, unknown].any(axis=0)] = 0.0  # not rounding of the decomposition
     left, values, right = np.linalg.svd(F)
     along = np.einsum("kj,jl,kl->k", right, error[np.ix_(unknown, unknown)], right)
     noise = np.sqrt(np.maximum(along[::-1].cumsum()[::-1], 0.0)) + EPS * values.max(initial=0.0)
