@@ -7,15 +7,15 @@ otherwise the specialised system is analysed anew.
 
 from __future__ import annotations
 
-from itertools import combinations
 from typing import TYPE_CHECKING
 
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
-from obscli.exact.exact_system import read_system
+from obscli.exact.exact_system import more_jets, read_system
 from obscli.exact.finding import AtValues, CriticalSearch
 from obscli.exact.interpreter import Interpreter
 from obscli.exact.lower import prove_lower_bound
-from obscli.exact.prove import Proof, certificate, prove
+from obscli.exact.prove import Proof, certificate, prove, prove_read
+from obscli.exact.saturation import saturate
 from obscli.model.expression import Symbol
 from obscli.model.notation import to_text
 from obscli.model.specialise import Specialisation, at_nominal
@@ -24,6 +24,7 @@ from obscli.model.specialise import Specialisation, at_nominal
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from obscli.exact.exact_system import ExactSystem
     from obscli.model.expression import Expression
     from obscli.model.system import Parameter, System
 
@@ -95,7 +96,8 @@ def _fewest_values(proof: Proof, rank: int) -> tuple[str, ...]:
         rest = {other: value for other, value in fixed.items() if other != name}
         if _rank_is(system, rest, rank):
             fixed = rest
-    for first, second in combinations(fixed, 2):
+    if len(fixed) == 2:  # an equality that lowers the rank lets all other values be free
+        first, second = fixed
         equal = {second: Symbol(first)}
         if to_text(fixed[first]) == to_text(fixed[second]) and _rank_is(system, equal, rank):
             return (f"{second} = {first}",)
@@ -103,7 +105,18 @@ def _fewest_values(proof: Proof, rank: int) -> tuple[str, ...]:
 
 
 def _rank_is(system: System, values: Mapping[str, Expression], rank: int) -> bool:
+    """Whether that is proved; a higher rank shows modulo a prime, with no elimination."""
     try:
-        return prove(Specialisation(system, values).system(), range(system.n)).rank == rank
+        exact = read_system(Specialisation(system, values).system())
+        return _least_rank(exact) <= rank and prove_read(exact, range(system.n), ()).rank == rank
     except (UndecidedError, UndefinedError):
         return False
+
+
+def _least_rank(exact: ExactSystem) -> int:
+    """Return the rank modulo a prime, which the rank is not below."""
+    while True:
+        try:
+            return saturate(exact).rank
+        except JetOverflowError:
+            exact = more_jets(exact)

@@ -9,6 +9,7 @@ from obscli.checks.claims import Ground, check_claim, where_text
 from obscli.checks.exact_claim import quantities_of
 from obscli.checks.witness import Witness
 from obscli.core.check import CheckResult
+from obscli.core.place import Place
 from obscli.exact.finding import Analysis
 from obscli.experiment.own_symbols import told_apart
 from obscli.experiment.special import at_file, nominal, specialised
@@ -35,7 +36,12 @@ class Subject:
 def check_experiment_claims(claims: Sequence[Claim], subject: Subject) -> Iterator[CheckResult]:
     """Yield the verdict on every part of every claim."""
     grounds: dict[tuple[str, ...], Ground] = {}
+    known = [run.name for run in subject.known]
     for claim in claims:
+        missing = [(name, place) for name, place in claim.runs if name not in known]
+        if missing:
+            yield from (_no_run(name, place, known) for name, place in missing)
+            continue
         which = tuple(name for name, _ in claim.runs)
         key = (where_text(claim.at), *which)
         if key not in grounds:
@@ -45,6 +51,10 @@ def check_experiment_claims(claims: Sequence[Claim], subject: Subject) -> Iterat
         yield from wrong
         for found in check_claim(sound, grounds[key]):
             yield replace(found, claim=f"{found.claim.replace('observable', 'determined')}{of}")
+
+
+def _no_run(name: str, place: Place, known: Sequence[str]) -> CheckResult:
+    return CheckResult(f"{name} is a run", "fails", f"the runs are {', '.join(known)}", place)
 
 
 def _about_shared(claim: Claim, shared: Sequence[str]) -> tuple[Claim, list[CheckResult]]:
