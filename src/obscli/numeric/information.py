@@ -23,15 +23,19 @@ import numpy as np
 
 from obscli.numeric.errors import NotComputableError, TooManyStepsError
 from obscli.numeric.noise import NoiseModel
+from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import Array, Counts
 from obscli.numeric.rates import rates_of
 from obscli.numeric.settings import Effort
-from obscli.numeric.transition import NODES, Panels, edges_of, longest_step, panels
+from obscli.numeric.transition import NODES, Panels, edges_of, longest_step, not_resolved, panels
 
 
 #: Step error of the transition; relative change of the information that halving the panels may make.
 STEP_ERROR: Final = 1e-11
 STANDS: Final = 2e-3
+
+#: A row of the transition that is known worse than this has a pole behind it.
+_RESOLVED: Final = 1e-3
 
 #: With driving noise: panels to begin with, how often they are halved, and how many are made at the most.
 _FEWEST: Final = 60
@@ -105,6 +109,7 @@ def _carried(noise: NoiseModel, edges: Array, instants: Array, priors: Array, ke
     found: list[Array] = []
     last, pending = float(edges[0]), 0.0
     for piece in panels(system, edges, Effort(STEP_ERROR, _MOST)):
+        _require_resolved(system, piece)
         rows = _whitened(piece, noise.whitening)
         at = np.append(last, piece.ends)
         driving = None if noise.drive is None else noise.driving(at)
@@ -120,6 +125,15 @@ def _carried(noise: NoiseModel, edges: Array, instants: Array, priors: Array, ke
     if not np.isfinite(states).all():
         raise NotComputableError("the information overflows: a state decays too far; give a shorter interval")
     return states
+
+
+def _require_resolved(system: NumericSystem, piece: Panels) -> None:
+    """Raise where the step error of the transition says that it is not known."""
+    error = piece.transition_error.sum(axis=2)
+    size = (piece.transition**2).sum(axis=2)
+    lost = (error > _RESOLVED**2 * size).any(axis=1)
+    if lost.any():
+        raise NotComputableError(not_resolved(system, float(piece.ends[lost][0])))
 
 
 def _whitened(piece: Panels, whitening: Array) -> Array:

@@ -139,6 +139,14 @@ def _too_many(most: int) -> str:
     return f"more than {most} steps would be needed: choose a shorter interval (--from, --to)"
 
 
+def not_resolved(system: NumericSystem, t: float) -> str:
+    """Return the message where the coefficients have a pole, or are as good as random."""
+    return (
+        f"the coefficients cannot be resolved near {system.system.time} = {t:.6g}, however short "
+        "the steps: choose instants that leave it out (--from, --to)"
+    )
+
+
 class _Solver:
     """Solves panels of one system."""
 
@@ -176,7 +184,7 @@ class _Solver:
         if not bad.any():
             return found
         if (stops - starts)[bad].min() < _SHORTEST * np.abs(stops).max():
-            raise NotComputableError(self._not_resolved(float(starts[bad][0])))
+            raise NotComputableError(not_resolved(self._system, float(starts[bad][0])))
         middles = (starts[bad] + stops[bad]) / 2
         fine = self.resolved(
             np.concatenate([starts[bad], middles]),
@@ -204,12 +212,6 @@ class _Solver:
             spread(lambda p: p.rows),
             spread(lambda p: p.transition_error),
             spread(lambda p: p.row_error),
-        )
-
-    def _not_resolved(self, t: float) -> str:
-        return (
-            f"the coefficients cannot be resolved near {self._system.system.time} = {t:.6g}, however short "
-            "the steps: choose instants that leave it out (--from, --to)"
         )
 
     def _solve(self, starts: Array, stops: Array) -> tuple[Panels, Array, Array]:
