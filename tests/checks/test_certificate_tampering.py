@@ -35,6 +35,8 @@ H: [["1", "0", "0"], ["0", "0", "exp(1)*t"]]
 """
 #: rank 0 and full rank: nothing to prove on one side
 BLIND = "states: [x1, x2]\nA: [[0, 1], [0, 0]]\nH: [[0, 0]]\n"
+#: as many rows below the order as the rank: that the order is no lower needs a proof
+TWICE = "states: [x, v, a, b]\nA: [[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 0], [0, 0, 0, 0]]\nH: [[1, 0, 0, 0], [2, 0, 0, 0]]\n"
 
 SYSTEMS = {
     "ins stage 1": lambda: _bundled("ins_calibration/horizontal.yaml", "stage_1"),
@@ -47,6 +49,7 @@ SYSTEMS = {
     "turning": lambda: _bundled("textbook/frozen_observable.yaml"),
     "constants": lambda: read_text(CONSTANTS, "constants.yaml").systems[0],
     "blind": lambda: read_text(BLIND, "blind.yaml").systems[0],
+    "measured twice": lambda: read_text(TWICE, "twice.yaml").systems[0],
 }
 
 
@@ -266,6 +269,25 @@ def test_an_altered_multiplier_is_rejected(proved):
     assert not _held(proved, altered)
 
 
+def _needs_delay(system, certificate):
+    """Whether there are as many rows below the order as the rank: with fewer the order is clear without it."""
+    return certificate.order * system.m >= certificate.rank
+
+
+def test_only_too_few_rows_below_the_order_need_no_delay(proved):
+    system, c, combinations = proved
+    if c.order:
+        expected = "fails" if _needs_delay(system, c) else "holds"
+        assert _verdict(system, _upper(c, delay=None), combinations) == expected
+
+
+def test_both_kinds_of_order_are_tampered_with():
+    systems = {name: make() for name, make in SYSTEMS.items()}
+    found = {n: analyze(s, Options(critical=False)).certificate for n, s in systems.items()}
+    needs = {name: _needs_delay(systems[name], c) for name, c in found.items() if c.order}
+    assert set(needs.values()) == {True, False}
+
+
 def test_an_altered_delay_is_rejected(proved):
     system, c, _ = proved
     delay = c.upper.delay
@@ -274,7 +296,7 @@ def test_an_altered_delay_is_rejected(proved):
         assert not _held(proved, {"added": added})
         return
     altered = {
-        "none": _upper(c, delay=None),
+        **({"none": _upper(c, delay=None)} if _needs_delay(system, c) else {}),
         "zero": _upper(c, delay={}),
         "unknown state": _upper(c, delay={**delay, "zz": ONE}),
         **{f"direction {k}": _upper(c, delay=column) for k, column in enumerate(c.upper.kernel)},

@@ -11,15 +11,18 @@ from pathlib import Path
 
 import pytest
 
+from obscli.api import calibrate, verify
 from obscli.checks.claims import check_claims
 from obscli.exact.analysis import Options, analyze
 from obscli.model.expression import add, multiply, number
 from obscli.model.reader import load, read_text
 from obscli.model.system import Quantity
+from obscli.pipelines.request import CalibrateRequest
 
 
 MODELS = Path(__file__).parents[2] / "models"
 FILES = sorted(MODELS.glob("**/*.yaml"))
+EXPERIMENTS = [pytest.param(file, id=file.stem) for file in FILES if load(file).claims]
 FAST = Options(critical=False, certificate=False)
 ONE, TWO = number(1), number(2)
 OTHERS = {"observable": ("coupled", "unobservable"), "coupled": ("observable", "unobservable"),
@@ -35,12 +38,28 @@ def _verdicts(system, claims, analysis=None):
     return [r.verdict for r in check_claims(system, analysis or analyze(system, FAST))]
 
 
-@pytest.mark.parametrize("system", _systems())
-def test_the_claims_of_every_bundled_model_hold(system):
-    results = check_claims(system, analyze(system, FAST))
+def _of_experiment(model, claims):
+    """The results of claims about the experiment of a model, by both sides, in order."""
+    systems = tuple(replace(system, claims=()) for system in model.systems)
+    report = verify(replace(model, systems=systems, claims=tuple(claims)))
+    return [check for check in report.results[-1].checks if check.place is not None]
+
+
+def _say_what_is_true(results):
     assert results
     assert [f"{r.claim}: {r.reason}" for r in results if r.verdict != "holds"] == []
     assert all(r.place is not None for r in results)
+
+
+@pytest.mark.parametrize("system", _systems())
+def test_the_claims_of_every_bundled_model_hold(system):
+    _say_what_is_true(check_claims(system, analyze(system, FAST)))
+
+
+@pytest.mark.parametrize("file", EXPERIMENTS)
+def test_the_claims_about_every_bundled_experiment_hold(file):
+    model = load(file)
+    _say_what_is_true(_of_experiment(model, model.claims))
 
 
 def _bent(quantity, state, factor):
@@ -52,14 +71,20 @@ def _put(items, k, item):
     return (*items[:k], item, *items[k + 1 :])
 
 
+def _bare(claim, rank=None):
+    """A claim that says nothing, or a rank."""
+    return replace(
+        claim, rank=rank, basis=None, observable=(), unobservable=(), directions=(), states={},
+        everything=None, other={},
+    )  # fmt: skip
+
+
 def _altered(claim, hidden, verdicts):
     """Yield false versions of a claim, each with one thing altered.
 
     ``hidden``: states that are not observable by themselves, ``verdicts`` those of the states, at the claim's values.
     """
-    alone = replace(
-        claim, rank=None, basis=None, observable=(), unobservable=(), directions=(), states={}, other={}
-    )
+    alone = _bare(claim)
     if claim.rank is not None:
         yield "rank + 1", replace(alone, rank=claim.rank + 1)
         yield "rank - 1", replace(alone, rank=claim.rank - 1)
@@ -79,7 +104,8 @@ def _altered(claim, hidden, verdicts):
         for state in (s for s, v in verdicts.items() if v == "observable"):
             more = replace(q, coefficients={**q.coefficients, state: ONE})
             yield f"direction {k} with {state}", replace(alone, directions=(more,))
-    for state, (verdict, place) in claim.states.items():
+    everyone = {} if claim.everything is None else dict.fromkeys(verdicts, ("observable", claim.everything))
+    for state, (verdict, place) in {**everyone, **claim.states}.items():
         for other in OTHERS[verdict]:
             yield f"{state} {other}", replace(alone, states={state: (other, place)})
 
@@ -142,6 +168,32 @@ def test_a_claim_altered_in_one_thing_fails(system):
     assert not passed
 
 
+def _states_of(model, claim, known):
+    """The verdicts on the shared states by the runs of a claim, all where none is named."""
+    names = tuple(name for name, _ in claim.runs)
+    if names not in known:
+        request = CalibrateRequest(names, critical=False, only="analytic")
+        known[names] = calibrate(model, request=request).results[0].exact.stack.finding.states
+    return known[names]
+
+
+@pytest.mark.parametrize("file", EXPERIMENTS)
+def test_a_claim_about_an_experiment_altered_in_one_thing_fails(file):
+    model, known, versions = load(file), {}, []
+    for k, claim in enumerate(model.claims):
+        assert claim.at is None
+        verdicts = _states_of(model, claim, known)
+        hidden = {s for s, v in verdicts.items() if v != "observable"}
+        own = [(k, name, version) for name, version in _altered(claim, hidden, verdicts)]
+        assert own, f"claim {k} says nothing that could be false"
+        versions += own
+    found = _of_experiment(model, [version for _, _, version in versions])
+    passed = [
+        (k, name) for (k, name, _), result in zip(versions, found, strict=True) if result.verdict != "fails"
+    ]
+    assert passed == []
+
+
 def _number_altered(text, start):
     """Yield the text with one rank under ``claims``/``expect`` altered, for each of them."""
     position = text.index("rank:", start) if "rank:" in text[start:] else -1
@@ -162,31 +214,31 @@ def _analyses(file):
     return {s.stage: analyze(s, FAST) for s in load(file).systems}
 
 
-def _results_of(text, file, analyses):
-    return [r for s in read_text(text, file.name).systems for r in check_claims(s, analyses[s.stage])]
-
-
-def _results_of_ranks(text, file, analyses):
-    """The results of the claims whose rank is not the one in the file (the others are as they were)."""
-    results = []
-    for system, before in zip(read_text(text, file.name).systems, load(file).systems, strict=True):
-        pairs = zip(system.claims, before.claims, strict=True)
-        changed = tuple(claim for claim, old in pairs if claim.rank != old.rank)
-        results += check_claims(replace(system, claims=changed), analyses[system.stage])
-    return results
+def _rank_changed(claims, before):
+    return tuple(claim for claim, old in zip(claims, before, strict=True) if claim.rank != old.rank)
 
 
 @pytest.mark.parametrize("file", FILES, ids=[f.stem for f in FILES])
 def test_one_number_altered_in_the_file_makes_verification_fail(file):
-    text = file.read_text()
-    tried = 0
-    analyses = _analyses(file)
+    """Only the claims whose number is altered are checked: the others are as they were."""
+    text, before, analyses = file.read_text(), load(file), _analyses(file)
+    found, of_experiment = [], []
     for altered in _number_altered(text, _start(text)):
-        tried += 1
-        broken = [r for r in _results_of_ranks(altered, file, analyses) if r.verdict == "fails"]
+        model = read_text(altered, file.name)
+        of_stages = []
+        for system, old in zip(model.systems, before.systems, strict=True):
+            changed = replace(system, claims=_rank_changed(system.claims, old.claims))
+            of_stages += check_claims(changed, analyses[system.stage])
+        together = _rank_changed(model.claims, before.claims)
+        assert of_stages or together
+        found += [of_stages] if of_stages else []
+        of_experiment += [_bare(claim, rank=claim.rank) for claim in together]
+    found += [[result] for result in _of_experiment(before, of_experiment)] if of_experiment else []
+    assert found
+    for results in found:
+        broken = [r for r in results if r.verdict == "fails"]
         assert broken
         assert all(r.place.file == file.name and r.place.line for r in broken)
-    assert tried
 
 
 # One term, sign or value altered by hand in each bundled file, under claims or expect.
@@ -199,6 +251,12 @@ CORRUPTED = {
     "pole": ("rank: 15", "rank: 16"),
     "stage_1_sparse": ("omega_ie*sin(phi)/g*b_a1", "omega_ie*cos(phi)/g*b_a1"),
     "vertical": ("rank: 12", "rank: 13"),
+    "modulus": ("M_a21, M_a22]", "M_a21, M_a33]"),
+    "six_position": ("{M_a12: 1, M_a21: -1}", "{M_a12: 1, M_a21: 1}"),
+    "table_errors": ("b_a1 - g*tau1", "b_a1 + g*tau1"),
+    "table_plan": ("rank: 15", "rank: 16"),
+    "twenty_four_positions": ("  - rank: 6", "  - rank: 7"),
+    "two_axis_table": ("{b_a3: -g, M_a33: 1}", "{b_a3: g, M_a33: 1}"),
     "accelerometer_only": ("at: {alpha_w: 0}", "at: {alpha_w: 1}"),
     "gyro_only": ("dOm: observable", "dOm: coupled"),
     "single_channel": ("dOm: -alpha_omega/g", "dOm: alpha_omega/g"),
@@ -221,9 +279,13 @@ CORRUPTED = {
 def test_one_term_altered_in_the_file_makes_verification_fail(file):
     old, new = CORRUPTED[file.stem]
     text = file.read_text()
-    start = _start(text)
-    assert old in text[start:]
-    results = _results_of(text[:start] + text[start:].replace(old, new, 1), file, _analyses(file))
+    where = text.index(old, _start(text))
+    model = read_text(text[:where] + new + text[where + len(old) :], file.name)
+    analyses = _analyses(file)
+    results = [r for s in model.systems for r in check_claims(s, analyses[s.stage])]
+    line = text.count("\n", 0, where) + 1
+    last = [claim for claim in model.claims if claim.place.line <= line][-1:]  # the one altered, if any is
+    results += _of_experiment(model, last) if last else []
     assert "fails" in [r.verdict for r in results]
     assert "holds" in [r.verdict for r in results]
 
@@ -303,8 +365,18 @@ def test_claims_at_values_where_the_system_does_not_exist_are_undecided():
 
 
 def test_what_is_not_checked_yet_is_undecided_not_true():
-    results = _results("  - determined: [v]\n")
-    assert [r.verdict for r in results] == ["undecided"]
+    results = _results("  - {detectable: true, rank: 2}\nexpect: {measures: {cond: 2}, require: {v: 1}}\n")
+    verdicts = {r.claim: r.verdict for r in results}
+    unchecked = ("detectable", "measures", "require")
+    assert verdicts == {"rank 2": "holds", **dict.fromkeys(unchecked, "undecided")}
+    assert all("is not checked yet" in r.reason for r in results if r.claim in unchecked)
+
+
+@pytest.mark.parametrize(("determined", "verdict"), [("[v]", "holds"), ("[tilt]", "fails"), ("all", "fails")])
+def test_determined_says_that_states_are_observable(determined, verdict):
+    results = _results(f"  - determined: {determined}\n")
+    assert {r.claim for r in results} >= {f"{determined.strip('[]').replace('all', 'b_a')} is observable"}
+    assert verdict in {r.verdict for r in results} <= {"holds", verdict}
 
 
 def test_a_quantity_of_no_states_is_observable_and_never_a_row_of_a_basis():

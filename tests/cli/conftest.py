@@ -30,6 +30,12 @@ stages:
 """
 
 
+@pytest.fixture(autouse=True)
+def patient(monkeypatch):
+    """However slow the machine, no command loses patience and tells its progress on stderr."""
+    monkeypatch.setattr("obscli.cli.progress.PATIENCE", 3600.0)
+
+
 @dataclass(frozen=True)
 class Outcome:
     status: int

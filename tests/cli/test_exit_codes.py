@@ -10,8 +10,9 @@ import pytest
 
 
 def obscli_process(*arguments, prepare="", **options):
-    """Start obscli in a process of its own; ``prepare`` is Python run before it."""
-    code = f"import sys\nsys.argv = ['obscli', *sys.argv[1:]]\n{prepare}\nfrom obscli.cli import run\nrun()\n"
+    """Start obscli in a process of its own, never impatient; ``prepare`` is Python run before it."""
+    patient = "import obscli.cli.progress as progress\nprogress.PATIENCE = 3600"
+    code = f"import sys\nsys.argv = ['obscli', *sys.argv[1:]]\n{patient}\n{prepare}\nfrom obscli.cli import run\nrun()\n"
     command = [sys.executable, "-c", code, *(str(argument) for argument in arguments)]
     pipe = subprocess.PIPE
     return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, encoding="utf-8", **options)

@@ -17,17 +17,21 @@ measurements: {y: g*tilt - bias}
 """
 RIGHT = "claims:\n  - basis: [g*tilt - bias, drift + omega*scale]\n"
 MISTYPED = "claims:\n  - rank: 2\n  - basis:\n      - g*tilt - bias\n      - drift - omega*scale\n"
-OPEN = "claims:\n  - rank: 2\n  - determined: [scale]\n"
+OPEN = "claims:\n  - rank: 2\n  - detectable: true\n"
 BROKEN = "states: [a]\nA: [[b]]\nH: [[1]]\n"
 
 
 @pytest.fixture
 def typed(tmp_path):
-    """Run ``obscli`` in a process of its own, in a directory of its own; return exit code, stdout, stderr."""
+    """Run ``obscli`` in a process of its own, in a directory of its own; return exit code, stdout, stderr.
+
+    However slow the machine, it does not lose patience and tell its progress.
+    """
+    code = "import obscli.cli.progress as p; p.PATIENCE = 3600; from obscli.cli import run; run()"
 
     def run(*arguments):
         done = subprocess.run(
-            [sys.executable, "-m", "obscli", *map(str, arguments)],
+            [sys.executable, "-c", code, *map(str, arguments)],
             cwd=tmp_path, capture_output=True, check=False, timeout=60, text=True, encoding="utf-8",
             env={**os.environ, "COLUMNS": "100", "PYTHONIOENCODING": "utf-8"},
         )  # fmt: skip
@@ -122,7 +126,7 @@ def test_undecided_is_4_only_where_strict(typed, put, options, expected):
     status, out, err = typed("verify", "table.yaml", *options)
 
     assert (status, err) == (expected, "")
-    assert "? undecided: determined: determined is not checked yet (table.yaml:8:17)" in out
+    assert "? undecided: detectable: detectable is not checked yet (table.yaml:8:17)" in out
     assert "? 4 checks: 3 hold, 0 failed, 1 undecided" in out
 
 
@@ -266,14 +270,108 @@ def test_claims_are_about_one_model(here, put):
     assert outcome.err == "obscli: --claims is about one model; 2 are given\n"
 
 
-def test_claims_of_a_file_about_an_experiment_are_not_about_the_base_model(here, put):
+@pytest.mark.parametrize(("rank", "status"), [(1, 0), (2, 1)])
+def test_claims_of_a_file_about_an_experiment_are_not_about_the_base_model(here, put, rank, status):
+    """The model has rank 2 of 4; of the three states that its one run shares, M has rank 1."""
     put("table.yaml", TABLE)
-    put("claims.yaml", "- {experiment: both, rank: 4}\n")
+    put("claims.yaml", f"- {{experiment: both, rank: {rank}}}\n")
 
     outcome = here("table.yaml", "--claims", "claims.yaml")
 
-    assert "claim about experiment both: not checked yet" in outcome.out
+    base, experiment = outcome.out.split("table · experiment\n")
+    assert "rank 2, saturated at order 1" in base
+    assert "claims.yaml" not in base
+    assert "✓ certificate: M is 1 × 3 of rank 1" in experiment
+    assert f"rank {rank}" in experiment.split("of all runs together")[1]
+    assert outcome.status == status
+
+
+def test_a_claim_about_a_run_that_is_not_there_does_not_hold(here, put):
+    put("table.yaml", TABLE)
+    put("claims.yaml", "- {experiment: both, runs: [nope], rank: 1}\n")
+
+    outcome = here("table.yaml", "--claims", "claims.yaml")
+
+    assert outcome.status != 0
+
+
+EXPERIMENT = """\
+interval: {stop: 10}
+experiment:
+  name: both_ways
+  runs: [{name: there}, {name: back, fix: {omega: -omega}}]
+claims:
+  - {experiment: both_ways, rank: 2, determined: [drift, scale]}
+  - {experiment: both_ways, runs: [back], rank: 1, observable: [drift - omega*scale]}
+"""
+
+
+def test_claims_about_an_experiment_are_checked_like_those_about_stages(here, put):
+    put("table.yaml", TABLE + EXPERIMENT)
+
+    outcome = here("--format", "json")
+
+    data = _data(outcome)
     assert outcome.status == 0
+    assert [result["model"]["stage"] for result in data["results"]] == [None, "both_ways"]
+    own = [row for row in data["checks"] if row["stage"] == "both_ways"]
+    assert {row["verdict"] for row in own} == {"holds"}
+    assert [(row["claim"], row["place"]) for row in own if row["place"]] == [
+        ("rank 2", "table.yaml:11:35"),
+        ("drift is determined", "table.yaml:11:51"),
+        ("scale is determined", "table.yaml:11:58"),
+        ("rank 1 by back", "table.yaml:12:49"),
+        ("drift - omega*scale is determined by back", "table.yaml:12:65"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "broken"),
+    [
+        ("rank: 2", "rank: 1", "rank 1"),
+        ("[drift, scale]", "[drift, bias]", "bias is determined"),
+        ("rank: 1", "rank: 2", "rank 2 by back"),
+        ("drift - omega", "drift + omega", "drift + omega*scale is determined by back"),
+    ],
+)
+def test_a_false_claim_about_an_experiment_fails(here, put, old, new, broken):
+    put("table.yaml", TABLE + EXPERIMENT.replace(old, new))
+
+    outcome = here("--format", "json")
+
+    assert outcome.status == 1
+    assert [row["claim"] for row in _data(outcome)["checks"] if row["verdict"] == "fails"] == [broken]
+
+
+def test_a_claim_about_a_state_that_starts_anew_fails_and_the_rest_is_checked(here, put):
+    put("table.yaml", TABLE + EXPERIMENT.replace("[drift, scale]", "[tilt, scale]"))
+
+    outcome = here("--format", "json")
+
+    own = [row for row in _data(outcome)["checks"] if row["place"]]
+    assert outcome.status == 1
+    verdicts = {row["place"].removeprefix("table.yaml:"): row["verdict"] for row in own}
+    assert verdicts == {
+        "11:51": "fails", "11:35": "holds", "11:57": "holds", "12:49": "holds", "12:65": "holds",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("field", ["detectable: true", "detectable: false"])
+def test_what_is_not_checked_yet_of_an_experiment_is_undecided(here, put, field):
+    put("table.yaml", TABLE + EXPERIMENT.replace("rank: 2,", f"rank: 2, {field},"))
+
+    outcome = here("--strict", "--format", "json")
+
+    [open_] = [row for row in _data(outcome)["checks"] if row["verdict"] == "undecided"]
+    assert (outcome.status, open_["claim"]) == (4, "detectable")
+
+
+def test_one_stage_alone_leaves_the_experiment_out(here, put):
+    stages = "stages: {still: {fix: {omega: 0}}, turning: {}}\n"
+    put("table.yaml", TABLE + stages + EXPERIMENT.replace("rank: 2,", "rank: 3,"))
+
+    assert here().status == 1
+    assert here("--stage", "turning").status == 0
 
 
 def test_claims_on_the_command_line_each_a_line_of_its_own_and_no_others(here, put):

@@ -4,7 +4,9 @@ import resource
 
 import pytest
 
+from obscli.checks.certificate import check_certificate
 from obscli.exact.analysis import analyze
+from obscli.exact.elimination import eliminate
 from obscli.exact.finding import Undecided
 
 
@@ -38,13 +40,58 @@ def test_a_hostile_entry_is_undecided(row, entry):
     assert after.ru_maxrss - before.ru_maxrss < 300_000
 
 
-@pytest.mark.parametrize("size", [8, 12])
-def test_a_hostile_matrix_is_undecided(system, size):
+def _hostile_matrix(system, size, value):
+    """x' = A x of unrelated parameters, one output: full rank at the highest order that can be."""
     A = [[f"m{i}_{j}" for j in range(size)] for i in range(size)]
-    names = ", ".join(f"{name}: 1" for line in A for name in line)
+    names = ", ".join(f"{name}: {value}" for line in A for name in line)
     states = ", ".join(f"x{k}" for k in range(size))
     A = ", ".join(f"[{', '.join(line)}]" for line in A)
     ones = ", ".join(["1"] * size)
-    found = analyze(system(f"parameters: {{{names}}}\nstates: [{states}]\nA: [{A}]\nH: [[{ones}]]\n"))
+    return system(f"parameters: {{{names}}}\nstates: [{states}]\nA: [{A}]\nH: [[{ones}]]\n")
+
+
+@pytest.mark.parametrize("size", [8, 12])
+def test_the_full_rank_of_a_hostile_matrix_is_proved_without_elimination(system, size):
+    given = _hostile_matrix(system, size, "null")
+    found = analyze(given)
+    assert (found.rank, found.order) == (size, size - 1)
+    assert [list(one.coefficients) for one in found.combinations] == [[name] for name in given.state_names]
+    rows = [one.coefficients for one in found.combinations]
+    assert check_certificate(given, found.certificate, rows).verdict == "holds"
+    assert found.certificate.upper.delay is None
+    assert not found.critical.complete
+    assert found.critical.not_searched
+
+
+def test_what_is_not_of_full_rank_stays_undecided(system):
+    """One state more, which nothing sees and the elimination has to find out about."""
+    text = "parameters: {{{}}}\nstates: [{}, z]\nA: [{}, [{}]]\nH: [[{}, 0]]\n"
+    size = 8
+    A = [[f"m{i}_{j}" for j in range(size)] for i in range(size)]
+    found = analyze(
+        system(
+            text.format(
+                ", ".join(f"{name}: null" for line in A for name in line),
+                ", ".join(f"x{k}" for k in range(size)),
+                ", ".join(f"[{', '.join(line)}, 0]" for line in A),
+                ", ".join(["1"] * (size + 1)),
+                ", ".join(["1"] * size),
+            )
+        )
+    )
     assert isinstance(found, Undecided)
     assert "exact algebra" in found.reason
+
+
+def test_a_hostile_matrix_with_values_takes_no_elimination_for_each_of_them(system, monkeypatch):
+    """Where the generic rank needs no elimination, the one at the values must not take dozens in vain."""
+    given, begun = _hostile_matrix(system, 8, 1), []
+
+    def counted(*arguments):
+        begun.append(1)
+        assert len(begun) < 4, "too many eliminations"
+        return eliminate(*arguments)
+
+    monkeypatch.setattr("obscli.exact.prove.eliminate", counted)
+    found = analyze(given)
+    assert (found.rank, found.at_values.rank) == (8, 1)

@@ -44,8 +44,8 @@ class Taylor:
             size = 1 if f.name in ruled else length
             coefficients = [self.random(source, -1, 1) for _ in range(size)]
             self.series[f.name] = coefficients + [mpmath.mpf(0)] * (length - size)
-        if system.invariants:  # the bundled ones say |q| = 1
-            self.normalise([f"q{k}" for k in range(1, 5)])
+        if system.invariants:  # the bundled ones say |q| = 1 at one instant, or |f| = g at all
+            self.keep_invariants([f.name for f in system.functions])
         for k in range(1, length):  # x' = F term by term
             self.memo = {}
             rates = {name: self.value(rule)[k - 1] / k for name, rule in ruled.items()}
@@ -56,6 +56,24 @@ class Taylor:
     @staticmethod
     def random(source, low, high):
         return mpmath.mpf(source.randrange(10**9)) / 10**9 * (high - low) + low
+
+    def keep_invariants(self, names):
+        if "q1" in names:
+            self.normalise([f"q{k}" for k in range(1, 5)])
+        elif "f1" in names:
+            self.project([f"f{k}" for k in range(1, 4)], self.series["g"])
+        else:
+            raise NotImplementedError(names)
+
+    def project(self, names, radius):
+        """f on the sphere: the plane of its first two series put there stereographically."""
+        u, v = (self.series[name] for name in names[:2])
+        square = [a + b for a, b in zip(self.times(u, u), self.times(v, v), strict=True)]
+        one = self.constant(1)
+        scale = self.times(radius, self.power([a + b for a, b in zip(square, one, strict=True)], -1))
+        top = [a - b for a, b in zip(one, square, strict=True)]
+        for name, x in zip(names, ([2 * a for a in u], [2 * a for a in v], top), strict=True):
+            self.series[name] = self.times(x, scale)
 
     def normalise(self, names):
         norm = mpmath.sqrt(sum(self.series[q][0] ** 2 for q in names))

@@ -87,7 +87,7 @@ def test_runs_that_differ_by_their_number_share_a_system():
 
     assert [run.system.stage for run in found] == [
         *("one", "one (w = 1)", "one (w = 1)", "one (w = 2)", "one (w = 2)"),
-        *("two (w = 1)", "two (w = 1)", "two (w = 2)", "two (w = 2)", "two", "two #2"),
+        *("two (w = 1)", "two (w = 1)", "two (w = 2)", "two (w = 2)", "two", "two"),
     ]
     assert all((a.system is b.system) == (a.system.stage == b.system.stage) for a, b in product(found, found))
 
