@@ -168,6 +168,16 @@ def test_the_report_alone_is_on_stdout(calibrate, form):
     assert outcome.out.endswith("\n")
 
 
+def test_progress_goes_to_stderr_and_leaves_the_report_alone(calibrate, monkeypatch):
+    quiet = calibrate(TABLE)
+    monkeypatch.setattr("obscli.cli.progress.PATIENCE", 0.001)
+    monkeypatch.setattr("obscli.cli.progress.BEAT", 0.001)
+    told = calibrate(TABLE)
+
+    assert told.out == quiet.out
+    assert all(line.startswith("obscli: ") for line in told.err.splitlines())
+
+
 @pytest.mark.parametrize(
     ("form", "start"),
     [("markdown", "#"), ("latex", "\\documentclass"), ("html", "<!DOCTYPE html>"), ("json", "{")],

@@ -333,10 +333,35 @@ def test_a_fresh_state_that_decays_takes_its_beginning_along(calibrated, stop):
     assert c.after == pytest.approx(closed_form(stop), rel=1e-4)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="beyond 30 time constants the information on c is lost; beyond 750 a crash"
-)
-@pytest.mark.parametrize("stop", [40, 100, 700, 1000])
+@pytest.mark.parametrize("stop", [40, 100, 300])
 def test_however_long_a_fresh_state_has_decayed_what_drives_it_is_known(calibrated, stop):
     [c] = calibrated(DECAYING.format(stop=stop)).accuracy.states
     assert c.after == pytest.approx(closed_form(stop), rel=1e-4)
+
+
+@pytest.mark.parametrize("stop", [400, 1000])
+def test_a_state_that_has_decayed_too_far_is_told(calibrated, stop):
+    found = calibrated(DECAYING.format(stop=stop))
+    assert found.accuracy is None
+    assert "decays too far" in found.no_accuracy
+
+
+@pytest.mark.xfail(
+    strict=True, reason="rounding in the column of b, scaled to 1, is compared: not resolved, it says"
+)
+@pytest.mark.parametrize("factor", [3, 0.7])
+def test_driving_noise_is_resolved_beside_a_state_that_the_run_does_not_show(noise, factor):
+    """y = x + 3 b: b cannot be told from where x begins; nothing of it is left, but rounding."""
+    text = (
+        f"states: [x, a, b]\ndynamics: {{x: a}}\nmeasurements: {{y: x + {factor}*b}}\n"
+        "noise: {R: 0.01, Q: {x: 0.01}}\n"
+    )
+    model = noise(text, 10.0)
+    roots = information(model, 0.0, INSTANTS, np.array([1, 2]), model.prior())
+    system = (
+        "", lambda _t: np.array([[0.0, 1.0], [0.0, 0.0]]), lambda _t: np.array([[1.0, 0.0]]),
+        "", lambda _t: np.diag([0.01, 0.0]), "", np.array([[0.01]]),
+    )  # fmt: skip
+    for S, Y in zip(roots, riccati(system, np.zeros((2, 2)), driven=True), strict=True):
+        assert np.linalg.norm(S[:, 0]) ** -1 == pytest.approx(deviations_of(Y)[1], rel=1e-2)
+        assert np.abs(S[:, 1]).max() < 1e-9 * np.abs(S[:, 0]).max()

@@ -52,6 +52,9 @@ _GATHERED: Final = 3
 _LARGE: Final = 1e60
 _FARTHEST: Final = 1000
 
+#: The squares of what is larger overflow.
+_TOO_LARGE: Final = 1e150
+
 _PROBES: Final = 18
 _ZERO: Final = 1e-13
 _CLEAR: Final = 1e-9
@@ -121,10 +124,7 @@ def _carried(noise: NoiseModel, edges: Array, instants: Array, priors: Array, ke
             if at[k + 1] == instants[len(found)]:
                 found.append(chain.snapshot(None if driving is None else driving[k + 1] * np.sqrt(half)))
         last = float(at[-1])
-    states = np.array(found)
-    if not np.isfinite(states).all():
-        raise NotComputableError("the information overflows: a state decays too far; give a shorter interval")
-    return states
+    return np.array(found)
 
 
 def _require_resolved(system: NumericSystem, piece: Panels) -> None:
@@ -163,7 +163,8 @@ class _Chain:
     def advance(self, transition: Array, rows: Array) -> None:
         """Carry the rows to the end of a panel and take in those measured on it."""
         self._whole[self._moving] = np.where(transition == 0, 0.0, transition * self._ratio)
-        self._rows = np.concatenate([self._rows @ self._whole, rows * self._units])
+        with np.errstate(over="ignore", invalid="ignore"):  # seen at the end
+            self._rows = np.concatenate([self._rows @ self._whole, rows * self._units])
         if np.abs(self._rows[:, self._free]).max(initial=0.0) > _LARGE:
             self._rescale()
         if len(self._rows) > _GATHERED * self._rows.shape[1]:
@@ -185,6 +186,10 @@ class _Chain:
     def snapshot(self, L: Array | None) -> Array:
         """Return S, shape (n, n), with the driving noise still to come at this instant."""
         n = self._rows.shape[1]
+        if not (np.abs(self._rows) < _TOO_LARGE).all():
+            raise NotComputableError(
+                "the information overflows: a state decays too far; give a shorter interval"
+            )
         self._rows = _triangle(self._rows)
         rows = self._rows if L is None else _driven(self._rows, L / self._units[:, None])
         root = np.zeros((n, n))
@@ -216,7 +221,8 @@ def _triangle(rows: Array) -> Array:
 def _marginal(roots: Array, kept: Counts) -> Array:
     """Return the information on the states kept, the others eliminated, shape (N, c, c).
 
-    What is left of a column after the elimination is nothing where it is below rounding of the column.
+    Where all the others are seen, by a QR factorisation with the largest rows first, so that a column that
+    grew while its state decayed does not drown the rest; what is below rounding of the rows is nothing.
 
     Raises
     ------
@@ -233,8 +239,14 @@ def _marginal(roots: Array, kept: Counts) -> Array:
             raise NotComputableError(
                 "what starts anew is seen too dimly to be told from what is shared: give it a prior"
             )
-        units = _units(root[:, kept])
-        _, size, right = np.linalg.svd(left[:, r:].T @ root[:, kept] / units, full_matrices=False)
+        if r == len(unknown):
+            order = np.argsort(-np.abs(root).max(axis=1), kind="stable")
+            rest = _triangle(root[order][:, np.concatenate([unknown, kept])])[r:, r:]
+            units = _units(root[order][r:, kept])
+        else:
+            rest = left[:, r:].T @ root[:, kept]
+            units = _units(root[:, kept])
+        _, size, right = np.linalg.svd(rest / units, full_matrices=False)
         c = int((size > _ZERO).sum())
         found[k, :c] = size[:c, None] * right[:c] * units
     return found
