@@ -156,3 +156,30 @@ def test_units_by_powers_of_two_change_nothing(known, calibrated, seed):
     assert found.exact.stack.finding.states == plain.exact.stack.finding.states
     assert found.after == plain.after
     assert {one.verdict for one in found.verifications} == {"verified"}
+
+
+@pytest.mark.parametrize("driven", [False, True])
+@pytest.mark.parametrize("seed", SEEDS[1::4])
+def test_deviations_are_in_the_units_of_the_states(known, calibrated, seed, driven):
+    """A prior of some states, driven fresh ones or not: x = 2^e x_new, so σ = 2^e σ_new."""
+    experiment, source = known.build(seed), random.Random(seed)
+    names = [*(f"x{i + 1}" for i in range(experiment.q)), *experiment.names]
+    units = [source.randint(-13, 13) for _ in names]
+    priors = {name: source.choice(["1", "3", "1/4"]) for name in names if source.random() < 0.5}
+
+    def deviations(e):
+        given = ", ".join(
+            f"{name}: ({priors[name]})*2^({-e[k]})" for k, name in enumerate(names) if name in priors
+        )
+        drive = f", Q: {{x1: 2^({-4 - 2 * e[0]})}}" if driven else ""
+        found = calibrated(
+            experiment.text(more=f"noise: {{R: 1/64, P0_std: {{{given}}}{drive}}}\n", units=e)
+            if given
+            else experiment.text(more=f"noise: {{R: 1/64{drive}}}\n", units=e)
+        )
+        return found.no_accuracy or [one.after for one in found.accuracy.states]
+
+    plain, other = deviations([0] * len(names)), deviations(units)
+    assert other == pytest.approx(
+        [one * 2.0**-e for one, e in zip(plain, units[experiment.q :], strict=True)], rel=1e-5
+    )
