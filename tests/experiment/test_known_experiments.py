@@ -177,7 +177,8 @@ def test_deviations_are_in_the_units_of_the_states(known, calibrated, seed, driv
             if given
             else experiment.text(more=f"noise: {{R: 1/64{drive}}}\n", units=e)
         )
-        return found.no_accuracy or [one.after for one in found.accuracy.states]
+        assert found.accuracy is not None, found.no_accuracy
+        return [one.after for one in found.accuracy.states]
 
     plain, other = deviations([0] * len(names)), deviations(units)
     assert other == pytest.approx(

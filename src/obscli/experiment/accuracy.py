@@ -125,6 +125,14 @@ def _notes(informed: Informed, after: Array, before: Array) -> tuple[str, ...]:
     if rests:
         names = ", ".join(rests)
         notes.append(f"the runs alone do not determine {names}: what is better than before rests on priors")
+    unseen = np.abs(informed.unseen(range(len(informed.runs)))).max(axis=1, initial=0.0)
+    lost = [name for j, name in enumerate(informed.states) if np.isinf(after[j]) and unseen[j] == 0]
+    if lost:
+        names = ", ".join(lost)
+        notes.append(
+            f"what the runs tell of {names} is lost to rounding: a state that starts anew decays too far; "
+            "give a shorter interval"
+        )
     if informed.driven:
         names = ", ".join(informed.driven)
         notes.append(

@@ -221,8 +221,7 @@ def _triangle(rows: Array) -> Array:
 def _marginal(roots: Array, kept: Counts) -> Array:
     """Return the information on the states kept, the others eliminated, shape (N, c, c).
 
-    Where all the others are seen, by a QR factorisation with the largest rows first, so that a column that
-    grew while its state decayed does not drown the rest; what is below rounding of the rows is nothing.
+    What is left of a column after the elimination is nothing where it is below rounding of the column.
 
     Raises
     ------
@@ -239,16 +238,11 @@ def _marginal(roots: Array, kept: Counts) -> Array:
             raise NotComputableError(
                 "what starts anew is seen too dimly to be told from what is shared: give it a prior"
             )
-        if r == len(unknown):
-            order = np.argsort(-np.abs(root).max(axis=1), kind="stable")
-            rest = _triangle(root[order][:, np.concatenate([unknown, kept])])[r:, r:]
-            units = _units(root[order][r:, kept])
-        else:
-            rest = left[:, r:].T @ root[:, kept]
-            units = _units(root[:, kept])
-        _, size, right = np.linalg.svd(rest / units, full_matrices=False)
+        units = _units(root[:, kept])
+        _, size, right = np.linalg.svd(left[:, r:].T @ root[:, kept] / units, full_matrices=False)
         c = int((size > _ZERO).sum())
-        found[k, :c] = size[:c, None] * right[:c] * units
+        told = np.where(np.abs(right[:c]) > _ZERO, right[:c], 0.0)
+        found[k, :c] = size[:c, None] * told * units
     return found
 
 
