@@ -1,6 +1,7 @@
 """The bundled calibrations: what their descriptions say of rank, accuracy and plans."""
 
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,9 @@ def test_every_bundled_calibration_meets_what_it_requires(calibrated, model, fil
     assert found.accuracy.required
     assert (found.failed, found.undecided) == (0, 0)
     assert {one.verdict for one in found.verifications} == {"verified"}
+    for one, values in zip(found.accuracy.states, found.accuracy.history.values, strict=True):
+        for earlier, later in pairwise(values):  # what was learned is not forgotten, and noise is not learned
+            assert later <= earlier * (1 + 1e-9), one.name
 
 
 def determined_only(name):
