@@ -20,6 +20,7 @@ from obscli.exact.origin import first_rows
 from obscli.exact.prove import Proof, certificate, prove
 from obscli.exact.rows import dot
 from obscli.exact.saturation import saturate
+from obscli.exact.structure import structure_of
 from obscli.exact.verdicts import groups, quantity_verdict, state_verdicts
 from obscli.model.expression import Expression
 from obscli.model.notation import to_text
@@ -41,13 +42,15 @@ class Options:
 
     ``basis``: the form of the printed basis, or rows the user prefers; ``pivot_order``: states to be
     eliminated first, the rest following in the order of the model; ``critical``: search for parameter
-    values at which the rank drops, or only for candidates.
+    values at which the rank drops, or only for candidates; ``structure``: find how the unobservable subspace
+    moves.
     """
 
     basis: Literal["echelon", "sparse"] | tuple[Quantity, ...] = "echelon"
     pivot_order: tuple[str, ...] = ()
     critical: bool | Literal["candidates"] = True
     certificate: bool = True
+    structure: bool = True
 
 
 def analyze(
@@ -96,6 +99,11 @@ def _describe(proof: Proof, options: Options, progress: Progress) -> Analysis:
         progress("critical values")
         critical = _critical(proof, options, progress)
     progress("rank at the file's values")
+    at_values = rank_at_values(proof, critical)
+    structure = None
+    if options.structure:
+        progress("structure")
+        structure = structure_of(proof, at_values, critical)
     analysis = Analysis(
         system=system,
         rank=proof.rank,
@@ -108,12 +116,13 @@ def _describe(proof: Proof, options: Options, progress: Progress) -> Analysis:
             quantity_verdict(q, exact, proof.kernel.columns, components) for q in system.quantities
         ),
         certificate=certificate(proof) if options.certificate else None,
-        at_values=rank_at_values(proof, critical),
+        at_values=at_values,
         frozen_rank=_frozen_rank(proof),
         critical=critical,
         varying=_varying(proof),
         free=tuple(names[f] for f in proof.kernel.columns),
         notes=(*notes, *_notes(system)),
+        structure=structure,
     )
     return replace(analysis, advice=advise(analysis))
 

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from obscli.exact.structure_finding import Structure
 from obscli.model.expression import Expression
 from obscli.model.system import Covector, System
 
@@ -147,6 +148,7 @@ class Analysis:
 
     ``groups``: connected components of the graph states × combinations with more than one state.
     ``varying``: what varies in time, as readable text (``sin, cos of omega*t``; functions by name).
+    ``structure``: how the unobservable subspace moves; None where it was not asked for.
     ``free``: the free state of each unobservable direction: measured, each would remove its direction.
     ``notes``: remarks that belong into the report (relations not stated, upper bound only, …).
     """
@@ -169,6 +171,7 @@ class Analysis:
     advice: tuple[str, ...] = ()
     free: tuple[str, ...] = ()
     neglect: tuple[Neglect, ...] = ()
+    structure: Structure | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

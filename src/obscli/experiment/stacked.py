@@ -117,7 +117,7 @@ def analysed(
 
     def rows_of(run: Run) -> RunRows:
         fresh = tuple(name for name in run.system.state_names if name not in kept)
-        options = Options(pivot_order=fresh, critical="candidates" if critical else False)
+        options = Options(pivot_order=fresh, critical="candidates" if critical else False, structure=False)
         finding = analyze(run.system, options, lambda step: progress(f"{run.name}: {step}"))
         if isinstance(finding, Undecided):
             return RunRows(run, (), finding.reason, finding)
@@ -125,7 +125,9 @@ def analysed(
 
     found = _each_once(runs, rows_of)
     progress("all runs together")
-    return stacked(found, shared, Options(critical="candidates" if critical else False), base)
+    return stacked(
+        found, shared, Options(critical="candidates" if critical else False, structure=False), base
+    )
 
 
 def proved(
@@ -150,7 +152,7 @@ def proved(
         told(place[id(run)], run.name)
         return memo.rows(run, tuple(shared))
 
-    return stacked(_each_once(runs, rows_of), shared, Options(critical=False), base)
+    return stacked(_each_once(runs, rows_of), shared, Options(critical=False, structure=False), base)
 
 
 def _proved_rows(run: Run, shared: frozenset[str]) -> RunRows:

@@ -120,7 +120,7 @@ def _analyze_system(system: System, request: AnalyzeRequest, progress: Progress)
 def _with_neglect(after: Analysis, unfixed: Model, changes: Changes) -> Analysis:
     """Return the finding with what the ``fix`` changed, where the system before it can be analysed."""
     before_system = next(one for one in unfixed.systems if one.stage == after.system.stage)
-    options = engine.Options(critical=False, certificate=False)
+    options = engine.Options(critical=False, certificate=False, structure=False)
     before = engine.analyze(before_system, options, silent)
     if isinstance(before, Undecided):
         return _with_note(after, f"what the fix changes is undecided: {before.reason}")

@@ -141,7 +141,7 @@ def verify_analysis(
 
 
 def _basis_at_values(finding: Analysis) -> tuple[Covector, ...] | NotVerified:
-    options = exact_engine.Options(critical=False, certificate=False)
+    options = exact_engine.Options(critical=False, certificate=False, structure=False)
     there = exact_engine.analyze(at_nominal(finding.system).system(), options)
     if isinstance(there, Undecided):
         return NotVerified(f"the combinations at the file's values are undecided: {there.reason}")

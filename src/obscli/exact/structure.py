@@ -1,0 +1,153 @@
+"""The structure of a system: the modes of the unobservable subspace, and whether all of them die out.
+
+A system is detectable where every solution that no output shows tends to zero. Time-invariant hidden
+dynamics decide that exactly, by Hurwitz determinants; for others the verdict is left open here, and the
+Gramian's transition matrix looks at a period or a window.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+from obscli.exact.echelon import polynomial_row
+from obscli.exact.eigenvalue_text import eigenvalue_text
+from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
+from obscli.exact.hidden_dynamics import HiddenDynamics, constant_part, hidden_dynamics, transposed
+from obscli.exact.hurwitz import Stability, stability, values_of
+from obscli.exact.period import period
+from obscli.exact.prove import Proof, prove
+from obscli.exact.spectrum import characteristic_polynomial, factors, modes_of
+from obscli.exact.structure_finding import Mode, OnCondition, Structure
+from obscli.model.specialise import Specialisation, at_nominal
+
+
+if TYPE_CHECKING:
+    from obscli.exact.exact_system import Row
+    from obscli.exact.field import Element
+    from obscli.exact.finding import AtValues, CriticalSearch, StateVerdict
+    from obscli.exact.spectrum import Factor
+    from obscli.exact.structure_finding import Situation, StructureVerdict
+    from obscli.model.system import Covector
+
+SITUATIONS: Final[Mapping[StateVerdict, Situation]] = {"observable": 1, "coupled": 2, "unobservable": 3}
+
+#: Why a verdict is open, or on what it rests where not all directions have constant coefficients.
+VARIES: Final = "how the unobservable directions move depends on time"
+PARTLY: Final = "the directions listed move by constant coefficients; that of the others depends on time"
+BY_ITSELF: Final = "a part of the unobservable states moves by constant coefficients and does not die out"
+
+#: Structures on more critical conditions than this are not computed.
+_MOST_CONDITIONS: Final = 12
+
+
+def structure_of(
+    proof: Proof, at_values: AtValues | None = None, critical: CriticalSearch | None = None
+) -> Structure:
+    """Return the structure of a system whose rank is proved.
+
+    Parameters
+    ----------
+    proof : the system, its kernel and rank
+    at_values : the rank at the file's values; None: the structure there is not asked for
+    critical : critical values, on which the structure is found too
+    """
+    found = _of_proof(proof)
+    return replace(
+        found,
+        at_values=None if at_values is None else _at_values(proof, found, at_values),
+        critical=() if critical is None else tuple(_on_conditions(proof, critical)),
+    )
+
+
+def _at_values(proof: Proof, found: Structure, at_values: AtValues) -> Structure | None:
+    """Return the structure at the file's values where the generic one does not say it already."""
+    if at_values.rank is None or (at_values.rank == proof.rank and found.verdict != "depends"):
+        return None
+    return _specialised(at_nominal(proof.exact.system))
+
+
+def _on_conditions(proof: Proof, critical: CriticalSearch) -> Iterator[OnCondition]:
+    for one in critical.values[:_MOST_CONDITIONS]:
+        if one.kind == "confirmed" and one.values:
+            there = _specialised(Specialisation(proof.exact.system, one.values[0]))
+            if there is not None:
+                yield OnCondition(one.condition, there)
+
+
+def _specialised(special: Specialisation) -> Structure | None:
+    system = special.system()
+    try:
+        return _of_proof(prove(system, range(system.n)))
+    except (UndecidedError, UndefinedError):
+        return None
+
+
+def _of_proof(proof: Proof) -> Structure:
+    dimension = len(proof.kernel.columns)
+    if not dimension:
+        return Structure(0, "observable")
+    try:
+        return _of_kernel(proof)
+    except (UndecidedError, JetOverflowError) as error:
+        return Structure(dimension, "undecided", reason=str(error) or "too many derivatives are needed")
+
+
+def _of_kernel(proof: Proof) -> Structure:
+    field, dynamics = proof.exact.field, hidden_dynamics(proof)
+    dimension = len(dynamics.columns)
+    if dynamics.decides == "all":
+        modes, verdict, condition = _judged(proof, dynamics)
+        reason = "the sign of a constant could not be found" if verdict == "undecided" else ""
+        return Structure(dimension, verdict, condition, modes, reason)
+    stays = constant_part(field, dynamics)
+    modes, verdict, _ = _judged(proof, stays)
+    if verdict == "not detectable":
+        return Structure(dimension, verdict, "", modes, "" if len(modes) == dimension else PARTLY)
+    if _judged(proof, constant_part(field, transposed(dynamics)))[1] == "not detectable":
+        return Structure(dimension, "not detectable", "", modes, BY_ITSELF)
+    return Structure(dimension, "undecided", "", modes, VARIES, period(proof))
+
+
+def _judged(proof: Proof, dynamics: HiddenDynamics) -> tuple[tuple[Mode, ...], StructureVerdict, str]:
+    """Return the modes of constant dynamics, the verdict on them, and on what it depends."""
+    field = proof.exact.field
+    modes: list[Mode] = []
+    found: list[Stability] = []
+    for factor in factors(field, characteristic_polynomial(field, dynamics.matrix)):
+        known = stability(proof, factor)
+        found.append(known)
+        modes += _modes(proof, dynamics, factor, known)
+    return tuple(modes), *_verdict(found)
+
+
+def _verdict(found: Sequence[Stability]) -> tuple[StructureVerdict, str]:
+    kinds = {one.kind for one in found}
+    conditions = dict.fromkeys(one.condition for one in found if one.kind == "depends")
+    if kinds & {"neutral", "growing"} or "" in conditions:
+        return "not detectable", ""
+    if "undecided" in kinds:
+        return "undecided", ""
+    return ("depends", " and ".join(conditions)) if conditions else ("detectable", "")
+
+
+def _modes(proof: Proof, dynamics: HiddenDynamics, factor: Factor, known: Stability) -> Iterator[Mode]:
+    field = proof.exact.field
+    text, values = eigenvalue_text(proof, factor), values_of(proof, factor)
+    proper, rest = modes_of(field, dynamics.matrix, factor)
+    for vector in (*proper, *rest):
+        chained = vector in rest
+        kind = "growing" if chained and known.kind == "neutral" else known.kind
+        direction = _direction(proof, dynamics, vector)
+        yield Mode(text, kind, direction, values, known.condition, chained)
+
+
+def _direction(proof: Proof, dynamics: HiddenDynamics, vector: Row) -> Covector:
+    """Return N v as a readable direction."""
+    field = proof.exact.field
+    total: dict[int, Element] = {}
+    for k, factor in vector.items():
+        for j, entry in dynamics.columns[k].items():
+            total[j] = total.get(j, field.zero) + entry * factor
+    return proof.covector(polynomial_row(field, {j: entry for j, entry in total.items() if entry}))
