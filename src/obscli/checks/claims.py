@@ -143,6 +143,7 @@ def _parts(claim: Claim) -> list[Claim]:
     parts += [replace(empty, unobservable=(q,)) for q in claim.unobservable]
     parts += [replace(empty, directions=(q,)) for q in claim.directions]
     parts += [replace(empty, states=claim.states)] if claim.states else []
+    parts += [replace(empty, detectable=claim.detectable)] if claim.detectable is not None else []
     return parts + ([replace(empty, other=claim.other)] if claim.other else [])
 
 
@@ -183,6 +184,10 @@ def _assertions(
         exact = partial(ExactClaim.unobservable, quantity=q)
         seen = partial(Witness.unobservable, covector=images([q])[0])
         yield one(f"{text_of(q)} is not observable", q.place, exact, seen)
+    if claim.detectable is not None:
+        asserted, place = claim.detectable
+        text = "detectable" if asserted else "not detectable"
+        yield one(text, place, partial(ExactClaim.detectable, asserted=asserted), _no_witness)
     for q in claim.directions:
         exact, seen = (
             partial(ExactClaim.direction, quantity=q),
@@ -193,6 +198,10 @@ def _assertions(
         exact = partial(ExactClaim.state, name=state, verdict=verdict)
         seen = partial(Witness.state, name=state, verdict=verdict)
         yield one(f"{state} is {verdict}", place, exact, seen)
+
+
+def _no_witness(_: Witness) -> Testimony:
+    return Testimony("silent", "")
 
 
 def _verified(basis: tuple[Quantity, ...], ground: Ground, found: CheckResult) -> Verification | None:

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Final
 
+from obscli.checks.detectability import exact_detectability
 from obscli.core.check import Change, Counterexample, Verdict
 from obscli.core.number import counted
 from obscli.exact.correction import Correction, corrections
@@ -82,6 +83,16 @@ class ExactClaim:
         """Say whether a state is observable, coupled or unobservable as asserted."""
         found = self.analysis.states.get(name, "not a state here")
         return PROVED if found == verdict else Exact("fails", f"it is {found}")
+
+    def detectable(self, *, asserted: bool) -> Exact:
+        """Say whether what is unobservable dies out, or does not, as asserted."""
+        if self.analysis.structure is None:
+            return Exact("undecided", "the structure was not asked for")
+        found = exact_detectability(self.analysis.structure)
+        if found.verdict == "undecided":
+            return Exact("undecided", found.words)
+        same = asserted == (found.verdict != "not detectable")
+        return Exact("holds" if same else "fails", f"{'proved exactly: ' if same else ''}{found.words}")
 
     def unobservable(self, quantity: Quantity) -> Exact:
         """Say whether a combination is not observable."""

@@ -11,7 +11,7 @@ from obscli.render.formats import FORMATS
 
 
 FORMAT_NAMES: Final = tuple(one.name for one in FORMATS)
-ONLY: Final = ("analytic", "numeric", "verify")
+ONLY: Final = ("analytic", "numeric", "verify", "structure")
 METHODS: Final = ("square-root", "lyapunov", "quadrature")
 SCALINGS: Final = ("automatic", "scale", "prior", "none")
 
@@ -116,7 +116,8 @@ OnlyOption: TypeAlias = Annotated[
         "--only",
         callback=_known_pipeline,
         metavar="|".join(ONLY),
-        help="Exact algebra alone, the Gramian alone (no algebra), or only how the two compare.",
+        help="Exact algebra alone, the Gramian alone (no algebra), only how the two compare, or only how the "
+        "unobservable subspace moves.",
     ),
 ]
 MoreOption: TypeAlias = Annotated[

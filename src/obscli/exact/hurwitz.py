@@ -210,11 +210,19 @@ def positive(proof: Proof, element: Element) -> str:
     return f"{to_text(proof.restorer.element(kept))} {'<' if flipped else '>'} 0"
 
 
-def values_of(proof: Proof, factor: Factor) -> tuple[complex, ...]:
-    """Return the roots of a factor at the file's values; empty where a value is missing."""
-    return tuple(
-        complex(float(real.mid()), float(imag.mid())) for real, imag in _balls(proof, factor.coefficients)
-    )
+def roots_there(proof: Proof, factor: Factor) -> tuple[tuple[complex, ...], ModeKind]:
+    """Return the roots of a factor at the file's values, and how its modes go on there.
+
+    No roots where a value is missing; undecided where an enclosure does not tell a real part from zero.
+    """
+    found = _balls(proof, factor.coefficients)
+    values = tuple(complex(float(real.mid()), float(imag.mid())) for real, imag in found)
+    reals = [real for real, _ in found]
+    if any(real > 0 for real in reals):
+        return values, "growing"
+    if reals and all(real < 0 for real in reals):
+        return values, "decaying"
+    return values, "neutral" if reals and all(real < 0 or real.is_zero() for real in reals) else "undecided"
 
 
 def _balls(proof: Proof, q: Sequence[Element]) -> list[tuple[arb, arb]]:

@@ -7,7 +7,7 @@ Gramian's transition matrix looks at a period or a window.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
@@ -15,7 +15,7 @@ from obscli.exact.echelon import polynomial_row
 from obscli.exact.eigenvalue_text import eigenvalue_text
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.hidden_dynamics import HiddenDynamics, constant_part, hidden_dynamics, transposed
-from obscli.exact.hurwitz import Stability, stability, values_of
+from obscli.exact.hurwitz import Stability, roots_there, stability
 from obscli.exact.period import period
 from obscli.exact.prove import Proof, prove
 from obscli.exact.spectrum import characteristic_polynomial, factors, modes_of
@@ -26,12 +26,10 @@ from obscli.model.specialise import Specialisation, at_nominal
 if TYPE_CHECKING:
     from obscli.exact.exact_system import Row
     from obscli.exact.field import Element
-    from obscli.exact.finding import AtValues, CriticalSearch, StateVerdict
+    from obscli.exact.finding import AtValues, CriticalSearch
     from obscli.exact.spectrum import Factor
-    from obscli.exact.structure_finding import Situation, StructureVerdict
+    from obscli.exact.structure_finding import ModeKind, StructureVerdict
     from obscli.model.system import Covector
-
-SITUATIONS: Final[Mapping[StateVerdict, Situation]] = {"observable": 1, "coupled": 2, "unobservable": 3}
 
 #: Why a verdict is open, or on what it rests where not all directions have constant coefficients.
 VARIES: Final = "how the unobservable directions move depends on time"
@@ -133,14 +131,21 @@ def _verdict(found: Sequence[Stability]) -> tuple[StructureVerdict, str]:
 
 
 def _modes(proof: Proof, dynamics: HiddenDynamics, factor: Factor, known: Stability) -> Iterator[Mode]:
-    field = proof.exact.field
-    text, values = eigenvalue_text(proof, factor), values_of(proof, factor)
-    proper, rest = modes_of(field, dynamics.matrix, factor)
-    for vector in (*proper, *rest):
-        chained = vector in rest
-        kind = "growing" if chained and known.kind == "neutral" else known.kind
+    text = eigenvalue_text(proof, factor)
+    values, there = roots_there(proof, factor)
+    there = there if known.kind == "depends" else known.kind
+    proper, rest = modes_of(proof.exact.field, dynamics.matrix, factor)
+    for vector in proper:
+        yield Mode(text, known.kind, _direction(proof, dynamics, vector), values, there, known.condition)
+    for vector in rest:
         direction = _direction(proof, dynamics, vector)
-        yield Mode(text, kind, direction, values, known.condition, chained)
+        kinds = (_chained(known.kind), _chained(there))
+        yield Mode(text, kinds[0], direction, values, kinds[1], known.condition, chained=True)
+
+
+def _chained(kind: ModeKind) -> ModeKind:
+    """Return the kind of a direction that moves as t e^{λt}."""
+    return "growing" if kind == "neutral" else kind
 
 
 def _direction(proof: Proof, dynamics: HiddenDynamics, vector: Row) -> Covector:

@@ -5,7 +5,6 @@ On the unobservable subspace x = N z the system moves as z' = A22 z, whatever th
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -18,16 +17,14 @@ ModeKind: TypeAlias = Literal["decaying", "neutral", "growing", "depends", "unde
 #: Whether all errors that no output shows die out: at all times, or as far as the scope says.
 StructureVerdict: TypeAlias = Literal["observable", "detectable", "not detectable", "depends", "undecided"]
 
-#: observable (1), only together with others (2), in no relation at all (3).
-Situation: TypeAlias = Literal[1, 2, 3]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mode:
     """One mode of z' = A22 z: a direction that stays by itself, and how it moves.
 
     ``eigenvalue``: as readable text (a pair where it is complex, ``±i*omega``); ``values``: the eigenvalues
-    at the file's values (one, or a pair, or the roots of a polynomial), empty where a value is missing.
+    at the file's values (one, or a pair, or the roots of a polynomial), empty where a value is missing;
+    ``kind_there``: the kind at these values.
     ``condition``: where the kind depends on parameters, what makes it decay (empty: nothing does).
     ``chained``: the direction moves into the others of the same eigenvalue, so it grows by a power of time
     more than they do.
@@ -37,6 +34,7 @@ class Mode:
     kind: ModeKind
     direction: Covector
     values: tuple[complex, ...] = ()
+    kind_there: ModeKind = "undecided"
     condition: str = ""
     chained: bool = False
 
@@ -63,7 +61,6 @@ class Structure:
     period : period of A22 and N, as a number of seconds, where the system has one and needs it
     at_values : the structure at the file's values, where it may differ from this one
     critical : the structure on critical conditions, where something is lost
-    situations : of each state (1, 2, 3)
     kalman : dimensions of the four parts of the Kalman decomposition, None without B and G
     inputs : the matrix the reachable subspace is of
     """
@@ -76,6 +73,5 @@ class Structure:
     period: float | None = None
     at_values: Structure | None = None
     critical: tuple[OnCondition, ...] = ()
-    situations: Mapping[str, Situation] | None = None
     kalman: tuple[int, int, int, int] | None = None
     inputs: Literal["B", "G"] | None = None

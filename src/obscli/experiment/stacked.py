@@ -152,7 +152,7 @@ def proved(
         told(place[id(run)], run.name)
         return memo.rows(run, tuple(shared))
 
-    return stacked(_each_once(runs, rows_of), shared, Options(critical=False, structure=False), base)
+    return stacked(_each_once(runs, rows_of), shared, Options(critical=False), base)
 
 
 def _proved_rows(run: Run, shared: frozenset[str]) -> RunRows:

@@ -28,7 +28,7 @@ CLAIM_KEYS: Final = (
     "detectable",
 )  # fmt: skip
 EXPECT_KEYS: Final = (*CLAIM_KEYS, "measures", "require")
-_KEPT: Final = ("detectable", "measures", "require")
+_KEPT: Final = ("measures", "require")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,6 +144,7 @@ def _claim(draft: ClaimDraft, scope: Scope, states: tuple[State, ...], problems:
         directions=tuple(_directions(draft, scope, states, problems)),
         states=_together(draft, states, problems),
         everything=_everything(draft),
+        detectable=_detectable(draft, problems),
         other={key: _kept(draft.given[key][1]) for key in _KEPT if key in draft.given},
     )
 
@@ -173,6 +174,15 @@ def _everything(draft: ClaimDraft) -> Place | None:
     """Return where `determined: all` stands."""
     node = draft.given["determined"][1] if "determined" in draft.given else None
     return node.place if isinstance(node, Scalar) and node.text == "all" else None
+
+
+def _detectable(draft: ClaimDraft, problems: Problems) -> tuple[bool, Place] | None:
+    """Return what is said of detectability, and where."""
+    if "detectable" not in draft.given:
+        return None
+    node = draft.given["detectable"][1]
+    word = choice_of(draft.given["detectable"], f"{draft.path}.detectable", ("true", "false"), problems)
+    return (word == "true", node.place) if word else None
 
 
 def _together(

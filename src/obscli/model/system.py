@@ -104,8 +104,8 @@ class Claim:
 
     ``at`` is None for generic values, "nominal" for the file's, else parameter name → exact value.
     A claim about an experiment may be about some ``runs`` only (empty: all); ``everything`` is where it says
-    that all shared states are determined. ``other`` keeps fields that later commands check (measures,
-    ``detectable``, …) as text.
+    that all shared states are determined; ``detectable``: whether what is unobservable is said to die out.
+    ``other`` keeps fields that later commands check (measures, …) as text.
     """
 
     origin: Literal["claims", "expect"]
@@ -122,6 +122,7 @@ class Claim:
     directions: tuple[Quantity, ...] = ()
     states: Mapping[str, tuple[str, Place]] = field(default_factory=dict)
     everything: Place | None = None
+    detectable: tuple[bool, Place] | None = None
     other: Mapping[str, tuple[str, Place]] = field(default_factory=dict)
 
 

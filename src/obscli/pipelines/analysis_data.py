@@ -13,6 +13,7 @@ from obscli.pipelines.latex_names import latex_names
 from obscli.pipelines.numeric_data import basis_data, numeric_data, verification_data
 from obscli.pipelines.request import Changes
 from obscli.pipelines.stage_result import StageResult
+from obscli.pipelines.structure_data import structure_data
 
 
 def report_data(results: Iterable[StageResult], changes: Changes) -> dict[str, object]:
@@ -39,10 +40,17 @@ def _stage_data(result: StageResult) -> dict[str, object]:
         "m": system.m,
         "states": list(system.state_names),
         "analytic": _exact_data(finding),
+        "structure": _structure_data(result),
         "numeric": numeric_data(result.numeric),
         "numeric_basis": basis_data(result.basis),
         "verification": verification_data(result.verification),
     }
+
+
+def _structure_data(result: StageResult) -> dict[str, object] | None:
+    if not isinstance(result.finding, Analysis) or result.detectability is None:
+        return None
+    return structure_data(result.finding, result.detectability, result.detectability_there)
 
 
 def _exact_data(finding: Analysis | Undecided | None) -> dict[str, object] | None:

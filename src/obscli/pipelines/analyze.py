@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from obscli.checks.detectability import exact_detectability
 from obscli.core.document import Document
 from obscli.core.figure import Figure
 from obscli.exact import analysis as engine
@@ -79,9 +80,24 @@ def analyze(
             if unfixed is not None and isinstance(finding, Analysis):
                 told("the system before --fix")
                 finding = _with_neglect(finding, unfixed, changes)
-        result = StageResult(model, system, finding, shown=request.only)
-        results.append(result if request.only == "analytic" else _with_gramian(result, request, told))
+        result = _with_detectability(StageResult(model, system, finding, shown=request.only))
+        exact_alone = request.only in {"analytic", "structure"}
+        results.append(result if exact_alone else _with_gramian(result, request, told))
     return AnalyzeReport(with_other_stages(tuple(results)), changes)
+
+
+def _with_detectability(result: StageResult) -> StageResult:
+    structure = result.finding.structure if isinstance(result.finding, Analysis) else None
+    if structure is None:
+        return result
+    there = structure.at_values
+    return replace(
+        result,
+        detectability=exact_detectability(structure),
+        detectability_there=exact_detectability(there)
+        if there and there.dimension != structure.dimension
+        else None,
+    )
 
 
 def _with_gramian(result: StageResult, request: AnalyzeRequest, progress: Progress) -> StageResult:

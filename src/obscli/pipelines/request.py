@@ -40,7 +40,7 @@ class Changes:
 
 
 #: The parts of an analysis that can be asked for alone.
-Part: TypeAlias = Literal["analytic", "numeric", "verify"]
+Part: TypeAlias = Literal["analytic", "numeric", "verify", "structure"]
 
 #: How the Gramian can be found, and the units in which its rank can be decided.
 Method: TypeAlias = Literal["square-root", "lyapunov", "quadrature"]

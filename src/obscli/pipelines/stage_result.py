@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from obscli.checks.detectability import Detectability
 from obscli.core.check import CheckResult
 from obscli.core.verification import NotVerified, Verification
 from obscli.exact.finding import Analysis, Undecided
@@ -16,7 +17,9 @@ from obscli.pipelines.request import Part
 class StageResult:
     """One stage of a model and what each pipeline found about it; None: the pipeline was not asked.
 
-    ``shown``: the one part the user asked to see, None: all; ``basis``: the numerical basis in time.
+    ``shown``: the one part the user asked to see, None: all; ``basis``: the numerical basis in time;
+    ``detectability``: whether what is unobservable dies out, ``detectability_there``: at the file's values,
+    where more is unobservable.
     """
 
     model: Model
@@ -26,6 +29,8 @@ class StageResult:
     verification: Verification | NotVerified | None = None
     basis: EchelonFinding | None = None
     shown: Part | None = None
+    detectability: Detectability | None = None
+    detectability_there: Detectability | None = None
 
     @property
     def title(self) -> str:
@@ -38,6 +43,8 @@ class StageResult:
         match self.shown:
             case "analytic":
                 return not self.is_proved
+            case "structure":
+                return self.detectability is None or self.detectability.verdict == "undecided"
             case "numeric":
                 return not isinstance(self.numeric, NumericFinding) or self.numeric.rank is None
             case "verify":

@@ -16,6 +16,7 @@ from obscli.pipelines.describe.neglect import neglect_blocks
 from obscli.pipelines.describe.ranks import rank_blocks
 from obscli.pipelines.describe.stages import stage_table_blocks
 from obscli.pipelines.describe.states import quantity_blocks, state_blocks
+from obscli.pipelines.describe.structure import structure_blocks
 from obscli.pipelines.describe.summary import summary_blocks
 from obscli.pipelines.describe.time_basis import time_basis_blocks
 from obscli.pipelines.describe.verification import verdict_blocks, verification_blocks
@@ -35,8 +36,9 @@ SECTIONS = (
     certificate_blocks,
 )
 
-#: The sections on the numerical side and on the comparison of the two, after those.
+#: The sections on the structure, the numerical side and on the comparison of the two, after those.
 SECTIONS_AFTER = (
+    structure_blocks,
     gramian_blocks,
     gramian_state_blocks,
     time_basis_blocks,
@@ -60,7 +62,7 @@ def _stage_blocks(result: StageResult, *, first: bool) -> Iterable[Block]:
     match result.finding:
         case Undecided(_, reason):
             yield VerdictLine("open", plain(f"undecided: {reason}"))
-        case Analysis() as finding if result.shown != "verify":
+        case Analysis() as finding if result.shown not in {"verify", "structure"}:
             for section in SECTIONS:
                 yield from section(finding)
     for after in SECTIONS_AFTER:

@@ -1,0 +1,90 @@
+"""Whether what no output shows dies out: decided by algebra where it can, else looked at on a window.
+
+Algebra decides for all times. Over one period the Floquet multipliers decide, up to their error. A window
+never proves anything beyond itself, and the verdict says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
+
+from obscli.core.number import counted, short
+from obscli.exact.structure_finding import Mode, Structure
+
+
+DetectabilityVerdict: TypeAlias = Literal["observable", "detectable", "not detectable", "undecided"]
+
+#: The scope of what algebra decides.
+ALL_TIMES: Final = "all times"
+
+
+_PERSISTING: Final = (
+    ("growing", ("grows", "grow"), "by itself"),
+    ("neutral", ("stays", "stay"), "as it is"),
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Detectability:
+    """A verdict, how far it reaches, and its grounds in words.
+
+    ``scope``: ``all times``, ``every period of 6.28``, ``this window, 0 to 600``; ``of``: the structure that
+    it is about. Where a generic verdict depends on parameters it is the one at the file's values.
+    """
+
+    verdict: DetectabilityVerdict
+    scope: str
+    words: str
+    of: Structure
+
+
+def exact_detectability(structure: Structure) -> Detectability:
+    """Return what algebra says: for generic values, where these decide it, else at the file's values."""
+    there = structure.at_values if structure.verdict == "depends" and structure.at_values else structure
+    match there.verdict:
+        case "observable" | "detectable" | "not detectable":
+            return Detectability(there.verdict, ALL_TIMES, structure_words(there), there)
+    return Detectability("undecided", ALL_TIMES, structure_words(there), there)
+
+
+def structure_words(structure: Structure) -> str:
+    """Return the verdict of algebra with its grounds, in a sentence."""
+    match structure.verdict:
+        case "observable":
+            return "nothing is hidden from the outputs"
+        case "detectable":
+            return f"every hidden error dies out by itself{_slowest(structure.modes)}"
+        case "not detectable":
+            return _persisting(structure)
+        case "depends":
+            return f"detectable iff {structure.condition}"
+    return structure.reason
+
+
+def _slowest(modes: tuple[Mode, ...]) -> str:
+    times = [time for mode in modes if (time := time_constant(mode)) is not None]
+    return f", the slowest with time constant {short(max(times), 3)}" if times else ""
+
+
+def _persisting(structure: Structure) -> str:
+    """Say which hidden error does not die out, the worst first."""
+    for kind, verbs, how in _PERSISTING:
+        modes = [mode for mode in structure.modes if mode.kind == kind]
+        if modes:
+            hidden = f"{counted(len(modes), 'hidden direction')} {verbs[len(modes) > 1]} {how}"
+            return f"{hidden} (eigenvalue {_eigenvalues(modes)}), and no output shows it"
+    return structure.reason or f"what is hidden never dies out (eigenvalue {_eigenvalues(structure.modes)})"
+
+
+def _eigenvalues(modes: Iterable[Mode]) -> str:
+    return ", ".join(dict.fromkeys(mode.eigenvalue for mode in modes))
+
+
+def time_constant(mode: Mode) -> float | None:
+    """Return 1/|Re s| at the file's values: in which a mode falls to 1/e, or grows e-fold; None: neither."""
+    reals = [abs(value.real) for value in mode.values]
+    if not reals or mode.kind_there not in {"decaying", "growing"} or not min(reals):
+        return None
+    return 1 / min(reals)
