@@ -1,9 +1,9 @@
 """Whether the roots of a polynomial over the constants have negative real parts, exactly.
 
 All roots of q(s) = s^k + q_{k-1} s^{k-1} + … + q_0 have negative real parts exactly if the Hurwitz
-determinants Δ_1 … Δ_k are positive, Δ_i the leading minors of
+determinants Δ_1 … Δ_{k−1} and q_0 are positive, Δ_i the leading minors of
 
-    h_ij = q_{k−2j+i}      i, j = 1 … k
+    h_ij = q_{k−2j+i}      i, j = 1 … k          (Δ_k = q_0 Δ_{k−1})
 
 An irreducible q has a root on the imaginary axis only if q(s) = ±q(−s): q = s, or q(s) = p(s²), and then
 all of its roots lie there exactly if the roots of p are real and negative.
@@ -62,7 +62,7 @@ def stability(proof: Proof, factor: Factor) -> Stability:
         return _of_line(proof, q[0])
     if not any(q[k] for k in range(factor.degree - 1, -1, -2)):
         return _of_even(proof, q)
-    signs = [(minor, sign(proof, minor)) for minor in hurwitz_determinants(proof, q)]
+    signs = [(minor, sign(proof, minor)) for minor in (*hurwitz_determinants(proof, q), q[0])]
     if all(one == 1 for _, one in signs):
         return Stability("decaying")
     if any(one in {0, -1} for _, one in signs):
@@ -72,7 +72,8 @@ def stability(proof: Proof, factor: Factor) -> Stability:
     open_minors = [minor for minor, one in signs if one is None]
     if len(open_minors) > _MOST_CONDITIONS:
         return Stability("depends", "all Hurwitz determinants of its polynomial are positive")
-    return Stability("depends", " and ".join(positive(proof, minor) for minor in open_minors))
+    conditions = dict.fromkeys(positive(proof, minor) for minor in open_minors)
+    return Stability("depends", " and ".join(conditions))
 
 
 def _of_line(proof: Proof, q0: Element) -> Stability:
@@ -118,14 +119,14 @@ def _by_roots(proof: Proof, q: Sequence[Element]) -> ModeKind:
 
 
 def hurwitz_determinants(proof: Proof, q: Sequence[Element]) -> list[Element]:
-    """Return Δ_1 … Δ_k of a monic polynomial given by rising degree."""
+    """Return Δ_1 … Δ_{k−1} of a monic polynomial given by rising degree."""
     k, field = len(q) - 1, proof.exact.field
 
     def entry(i: int, j: int) -> Element:
         return q[k - 2 * j + i] if 0 <= k - 2 * j + i <= k else field.zero
 
-    matrix = [[entry(i, j) for j in range(1, k + 1)] for i in range(1, k + 1)]
-    return [_determinant(field.one, field.zero, [row[:i] for row in matrix[:i]]) for i in range(1, k + 1)]
+    matrix = [[entry(i, j) for j in range(1, k)] for i in range(1, k)]
+    return [_determinant(field.one, field.zero, [row[:i] for row in matrix[:i]]) for i in range(1, k)]
 
 
 def _determinant(one: Element, zero: Element, rows: list[list[Element]]) -> Element:
