@@ -365,11 +365,50 @@ def test_claims_at_values_where_the_system_does_not_exist_are_undecided():
 
 
 def test_what_is_not_checked_yet_is_undecided_not_true():
-    results = _results("  - {detectable: true, rank: 2}\nexpect: {measures: {cond: 2}, require: {v: 1}}\n")
+    results = _results("  - {rank: 2}\nexpect: {measures: {cond: 2}, require: {v: 1}}\n")
     verdicts = {r.claim: r.verdict for r in results}
-    unchecked = ("detectable", "measures", "require")
+    unchecked = ("measures", "require")
     assert verdicts == {"rank 2": "holds", **dict.fromkeys(unchecked, "undecided")}
     assert all("is not checked yet" in r.reason for r in results if r.claim in unchecked)
+
+
+@pytest.mark.parametrize(
+    ("rate", "word", "verdict", "reason"),
+    [
+        ("-1/tau", "true", "holds", "proved exactly: every hidden error dies out by itself"),
+        (
+            "-1/tau",
+            "false",
+            "fails",
+            "every hidden error dies out by itself, the slowest with time constant 5",
+        ),
+        ("0", "true", "fails", "1 hidden direction stays as it is (eigenvalue 0), and no output shows it"),
+        ("0", "false", "holds", "proved exactly: 1 hidden direction stays as it is"),
+        ("a", "true", "fails", "1 hidden direction grows by itself (eigenvalue 1/1000)"),
+        ("cos(t)*a*t", "true", "undecided", "depends on time"),
+    ],
+)
+def test_detectable_says_that_what_is_hidden_dies_out(rate, word, verdict, reason):
+    system = read_text(
+        "parameters: {tau: {value: 5, assume: positive}, a: 0.001}\nstates: [x, h]\n"
+        f"dynamics: {{x: -x, h: ({rate})*h}}\nmeasurements: {{y: x}}\nclaims: {{detectable: {word}}}\n",
+        "hidden.yaml",
+    ).systems[0]
+    [result] = check_claims(system, analyze(system, FAST))
+    assert (result.claim, result.verdict) == (
+        "detectable" if word == "true" else "not detectable", verdict,
+    )  # fmt: skip
+    assert reason in result.reason
+
+
+def test_detectability_is_claimed_where_the_claim_says():
+    text = (
+        "parameters: {p: -0.1, q: -0.1}\nstates: [x, a, b]\n"
+        "dynamics: {x: a + b, a: p*a, b: q*b}\nmeasurements: {y: x}\nclaims:\n"
+        "  - {detectable: true}\n  - {at: {q: p}, detectable: true}\n  - {at: {p: 0.2, q: 0.2}, detectable: true}\n"
+    )
+    system = read_text(text, "hidden.yaml").systems[0]
+    assert [r.verdict for r in check_claims(system, analyze(system, FAST))] == ["holds", "holds", "fails"]
 
 
 @pytest.mark.parametrize(("determined", "verdict"), [("[v]", "holds"), ("[tilt]", "fails"), ("all", "fails")])

@@ -17,7 +17,7 @@ measurements: {y: g*tilt - bias}
 """
 RIGHT = "claims:\n  - basis: [g*tilt - bias, drift + omega*scale]\n"
 MISTYPED = "claims:\n  - rank: 2\n  - basis:\n      - g*tilt - bias\n      - drift - omega*scale\n"
-OPEN = "claims:\n  - rank: 2\n  - detectable: true\n"
+OPEN = "claims:\n  - rank: 2\nexpect:\n  - measures: {cond: 2}\n"
 BROKEN = "states: [a]\nA: [[b]]\nH: [[1]]\n"
 
 
@@ -126,7 +126,7 @@ def test_undecided_is_4_only_where_strict(typed, put, options, expected):
     status, out, err = typed("verify", "table.yaml", *options)
 
     assert (status, err) == (expected, "")
-    assert "? undecided: detectable: detectable is not checked yet (table.yaml:8:17)" in out
+    assert "? undecided: measures: measures is not checked yet (table.yaml:9:15)" in out
     assert "? 4 checks: 3 hold, 0 failed, 1 undecided" in out
 
 
@@ -356,14 +356,15 @@ def test_a_claim_about_a_state_that_starts_anew_fails_and_the_rest_is_checked(he
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("field", ["detectable: true", "detectable: false"])
-def test_what_is_not_checked_yet_of_an_experiment_is_undecided(here, put, field):
-    put("table.yaml", TABLE + EXPERIMENT.replace("rank: 2,", f"rank: 2, {field},"))
+@pytest.mark.parametrize(("word", "verdict"), [("true", "fails"), ("false", "holds")])
+def test_shared_states_that_the_runs_leave_open_never_die_out(here, put, word, verdict):
+    put("table.yaml", TABLE + EXPERIMENT.replace("rank: 2,", f"rank: 2, detectable: {word},"))
 
     outcome = here("--strict", "--format", "json")
 
-    [open_] = [row for row in _data(outcome)["checks"] if row["verdict"] == "undecided"]
-    assert (outcome.status, open_["claim"]) == (4, "detectable")
+    [found] = [row for row in _data(outcome)["checks"] if "detectable" in row["claim"]]
+    assert (outcome.status, found["verdict"]) == (1 if verdict == "fails" else 0, verdict)
+    assert "(eigenvalue 0)" in found["reason"]
 
 
 def test_one_stage_alone_leaves_the_experiment_out(here, put):

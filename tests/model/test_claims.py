@@ -68,7 +68,8 @@ def test_claims_belong_to_stages(model):
     assert [(claim.origin, claim.stage) for claim in one.claims] == [("claims", None), ("expect", "one")]
     assert [(claim.origin, claim.stage) for claim in two.claims] == [("claims", None), ("claims", "two")]
     assert (two.claims[1].at, two.claims[1].basis, two.claims[1].rank) == ("nominal", (), 0)
-    assert {key: text for key, (text, _) in two.claims[1].other.items()} == {"detectable": "false"}
+    assert two.claims[1].detectable[0] is False
+    assert two.claims[1].other == {}
     assert {name: verdict for name, (verdict, _) in two.claims[1].states.items()} == {"b": "observable"}
     assert {key: text for key, (text, _) in one.claims[1].other.items()} == {
         "measures": "{cond: 1e3}",
