@@ -226,3 +226,8 @@ def test_what_nothing_sees_is_not_known_beside_what_is_seen_badly(calibrated):
         "quantities: {q: b + c - a, r: a - c}\nrequire: {q: 1e8, r: 1e8}\n" + RUN
     )
     assert [(one.name, one.is_met) for one in found.accuracy.required] == [("q", False), ("r", True)]
+
+
+def test_a_requirement_that_is_zero_at_the_files_values_is_not_divided_by(planned):
+    text = MOVING + "parameters: {w: 0}\nnoise: {R: 1, P0_std: {x: 1, a: 1}}\nrequire: {a: w}\n" + RUN
+    assert planned(text).failed

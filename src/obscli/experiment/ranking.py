@@ -125,8 +125,8 @@ class Ranking:
     def _margin(self, runs: Sequence[int]) -> float:
         assert self._told is not None
         after = self._told.deviation([(k, -1) for k in runs], required=True)
-        with np.errstate(divide="ignore"):
-            return float((self._asked / after).min())
+        margins = np.divide(self._asked, after, out=np.full_like(after, np.inf), where=after > 0)
+        return float(margins.min())
 
     def _shortened(self, one: RankedSet) -> RankedSet:
         if self._told is None or not one.is_met:
@@ -180,8 +180,9 @@ class Ranking:
         """Return how far the unmet requirements are from being met: the sum of ln(reached/required)."""
         assert self._told is not None
         after = self._told.deviation([(k, -1) for k in runs], required=True)
-        ratio = np.minimum(after / self._asked, _HOPELESS)
-        return float(np.log(np.maximum(ratio, 1.0)).sum())
+        asked = self._asked
+        ratio = np.divide(after, asked, out=np.where(after > asked, _HOPELESS, 1.0), where=asked > 0)
+        return float(np.log(np.clip(ratio, 1.0, _HOPELESS)).sum())
 
     def _time(self, k: int) -> float:
         return self._durations[k] + self._setup_time
