@@ -301,3 +301,18 @@ def test_periods_of_several_angles_are_common_or_not_there(system):
     )
     assert structure_of(system(text.format(f="cos(t) + cos(pi*t)"))).period is None
     assert structure_of(system(text.format(f="cos(t) + t"))).period is None
+
+
+def test_what_decays_generically_may_stay_at_the_files_values(system):
+    found = hidden(system, "a: 0", "-a^2*h1")
+    assert (found.verdict, found.at_values.verdict) == ("detectable", "not detectable")
+    assert [(m.kind, m.kind_there) for m in found.modes if m.eigenvalue != "-1"] == [("decaying", "neutral")]
+
+
+def test_an_even_polynomial_never_decays_whatever_its_coefficients(system):
+    """s⁴ + 2√2 s² + c: no rational coefficients, no factors found, and yet no doubt."""
+    found = structure_of(system(
+        "states: [y, h1, h2, h3, h4]\n"
+        "dynamics: {y: -y, h1: h2, h2: h3, h3: h4, h4: -(2*sqrt(2)*h3 + 5*h1)}\nmeasurements: {z: y}\n"
+    ))  # fmt: skip
+    assert (found.verdict, {m.kind for m in found.modes}) == ("not detectable", {"growing"})

@@ -48,11 +48,13 @@ _TOLERANCE: Final = arb(2) ** -60
 class Stability:
     """How the modes of one factor go on.
 
-    ``condition``: what makes them decay, where that depends on parameters; empty where nothing does.
+    ``condition``: what makes them decay, where that depends on parameters; ``never``: nothing does, whether
+    they stay or grow.
     """
 
     kind: ModeKind
     condition: str = ""
+    never: bool = False
 
 
 def stability(proof: Proof, factor: Factor) -> Stability:
@@ -67,7 +69,7 @@ def stability(proof: Proof, factor: Factor) -> Stability:
         return Stability("decaying")
     if any(one in {0, -1} for _, one in signs):
         return _not_decaying(proof, q)
-    if not _has_parameters(proof, q):
+    if not has_parameters(proof, q):
         return Stability("undecided")
     open_minors = [minor for minor, one in signs if one is None]
     if len(open_minors) > _MOST_CONDITIONS:
@@ -82,10 +84,10 @@ def _of_line(proof: Proof, q0: Element) -> Stability:
         case 1:
             return Stability("decaying")
         case 0:
-            return Stability("neutral")
+            return Stability("neutral", never=True)
         case -1:
-            return Stability("growing")
-    if not _has_parameters(proof, [q0]):
+            return Stability("growing", never=True)
+    if not has_parameters(proof, [q0]):
         return Stability("undecided")
     return Stability("depends", positive(proof, q0))
 
@@ -95,13 +97,13 @@ def _of_even(proof: Proof, q: Sequence[Element]) -> Stability:
     if len(q) == 3:
         known = sign(proof, q[0])
         if known is not None:
-            return Stability("neutral" if known > 0 else "growing")
+            return Stability("neutral" if known > 0 else "growing", never=True)
     rational = _rational(q[::2])
     if rational is None:
-        return Stability("depends" if _has_parameters(proof, q) else "undecided")
+        return Stability("depends" if has_parameters(proof, q) else _by_roots(proof, q), never=True)
     squares = [root for root, _ in cast("list[tuple[acb, int]]", fmpz_poly(rational).complex_roots())]
     on_axis = all(root.imag.is_zero() and root.real < 0 for root in squares)
-    return Stability("neutral" if on_axis else "growing")
+    return Stability("neutral" if on_axis else "growing", never=True)
 
 
 def _not_decaying(proof: Proof, q: Sequence[Element]) -> Stability:
@@ -109,11 +111,12 @@ def _not_decaying(proof: Proof, q: Sequence[Element]) -> Stability:
 
     Irreducible, it has no root on the imaginary axis; that is known of rational coefficients only.
     """
-    return Stability("growing" if _rational(q) is not None or len(q) == 3 else _by_roots(proof, q))
+    known = _rational(q) is not None or len(q) == 3
+    return Stability("growing" if known else _by_roots(proof, q), never=True)
 
 
 def _by_roots(proof: Proof, q: Sequence[Element]) -> ModeKind:
-    if _has_parameters(proof, q):
+    if has_parameters(proof, q):
         return "depends"
     return "growing" if any(real > 0 for real, _ in _balls(proof, q)) else "undecided"
 
@@ -154,7 +157,7 @@ def sign(proof: Proof, element: Element) -> Literal[-1, 0, 1] | None:
     evident = sign_of(proof.exact.interpreter, times(element.num, element.den))
     if evident is not None:
         return 1 if evident > 0 else -1
-    return None if _has_parameters(proof, [element]) else _ball_sign(proof, element)
+    return None if has_parameters(proof, [element]) else _ball_sign(proof, element)
 
 
 def _ball_sign(proof: Proof, element: Element) -> Literal[-1, 1] | None:
@@ -173,7 +176,8 @@ def _ball_sign(proof: Proof, element: Element) -> Literal[-1, 1] | None:
     return None
 
 
-def _has_parameters(proof: Proof, elements: Sequence[Element]) -> bool:
+def has_parameters(proof: Proof, elements: Sequence[Element]) -> bool:
+    """Whether parameters occur in constants."""
     interpreter = proof.exact.interpreter
     return bool(symbols(*(interpreter.element_expression(e) for e in elements if e)))
 
@@ -212,7 +216,7 @@ def positive(proof: Proof, element: Element) -> str:
 
 
 def roots_there(proof: Proof, factor: Factor) -> tuple[tuple[complex, ...], ModeKind]:
-    """Return the roots of a factor at the file's values, and how its modes go on there.
+    """Return the roots of a factor at the file's values, and how its modes go on there, by enclosures.
 
     No roots where a value is missing; undecided where an enclosure does not tell a real part from zero.
     """

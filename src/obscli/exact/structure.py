@@ -15,7 +15,7 @@ from obscli.exact.echelon import polynomial_row
 from obscli.exact.eigenvalue_text import eigenvalue_text
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.hidden_dynamics import HiddenDynamics, constant_part, hidden_dynamics, transposed
-from obscli.exact.hurwitz import Stability, roots_there, stability
+from obscli.exact.hurwitz import Stability, has_parameters, roots_there, stability
 from obscli.exact.period import period
 from obscli.exact.prove import Proof, prove
 from obscli.exact.spectrum import characteristic_polynomial, factors, modes_of
@@ -61,7 +61,8 @@ def structure_of(
 
 def _at_values(proof: Proof, found: Structure, at_values: AtValues) -> Structure | None:
     """Return the structure at the file's values where the generic one does not say it already."""
-    if at_values.rank is None or (at_values.rank == proof.rank and found.verdict != "depends"):
+    same = all(mode.kind_there == mode.kind for mode in found.modes)
+    if at_values.rank is None or (at_values.rank == proof.rank and same):
         return None
     return _specialised(at_nominal(proof.exact.system))
 
@@ -121,19 +122,18 @@ def _judged(proof: Proof, dynamics: HiddenDynamics) -> tuple[tuple[Mode, ...], S
 
 
 def _verdict(found: Sequence[Stability]) -> tuple[StructureVerdict, str]:
-    kinds = {one.kind for one in found}
-    conditions = dict.fromkeys(one.condition for one in found if one.kind == "depends")
-    if kinds & {"neutral", "growing"} or "" in conditions:
+    if any(one.never for one in found):
         return "not detectable", ""
-    if "undecided" in kinds:
+    if any(one.kind == "undecided" for one in found):
         return "undecided", ""
+    conditions = dict.fromkeys(one.condition for one in found if one.kind == "depends")
     return ("depends", " and ".join(conditions)) if conditions else ("detectable", "")
 
 
 def _modes(proof: Proof, dynamics: HiddenDynamics, factor: Factor, known: Stability) -> Iterator[Mode]:
     text = eigenvalue_text(proof, factor)
     values, there = roots_there(proof, factor)
-    there = there if known.kind == "depends" else known.kind
+    there = there if has_parameters(proof, factor.coefficients) else known.kind
     proper, rest = modes_of(proof.exact.field, dynamics.matrix, factor)
     for vector in proper:
         yield Mode(text, known.kind, _direction(proof, dynamics, vector), values, there, known.condition)

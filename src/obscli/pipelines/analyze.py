@@ -94,9 +94,7 @@ def _with_detectability(result: StageResult) -> StageResult:
     return replace(
         result,
         detectability=exact_detectability(structure),
-        detectability_there=exact_detectability(there)
-        if there and there.dimension != structure.dimension
-        else None,
+        detectability_there=exact_detectability(there) if there and structure.verdict != "depends" else None,
     )
 
 

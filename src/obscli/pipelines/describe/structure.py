@@ -62,8 +62,9 @@ def structure_blocks(result: StageResult) -> Iterator[Block]:
     yield _verdict_line(found, "" if there is None else "at generic values, ")
     yield from on_condition_blocks(structure)
     if there is not None:
-        hidden = counted(there.of.dimension, "direction")
-        yield Paragraph(plain(f"At the file's values {hidden} unobservable:"))
+        yield Paragraph(
+            plain(f"At the file's values, {counted(there.of.dimension, 'direction')} unobservable:")
+        )
         yield from mode_blocks(there.of, result.system)
         yield _verdict_line(there, "at the file's values, ")
 
@@ -100,7 +101,7 @@ def _mode_row(modes: list[Mode], structure: Structure, system: System) -> tuple[
 
 def _kind(mode: Mode) -> Cell:
     if mode.kind != "depends":
-        return line(Text(mode.kind, ROLES[mode.kind]))
+        return _word(mode.kind)
     condition = f"decays iff {mode.condition}" if mode.condition else "never decays"
     if mode.kind_there == "undecided":
         return line(Text(condition, "open"))
@@ -108,6 +109,10 @@ def _kind(mode: Mode) -> Cell:
         (Text(condition, "open"),),
         (Text("here: ", "faint"), Text(mode.kind_there, ROLES[mode.kind_there])),
     )
+
+
+def _word(kind: ModeKind) -> Cell:
+    return line(Text(kind, ROLES[kind]))
 
 
 def _time(mode: Mode) -> str:
