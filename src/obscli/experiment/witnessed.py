@@ -95,5 +95,5 @@ def _joint(system: System, settings: Settings, labels: Array, parts: Sequence[Se
     scaling = chosen_scaling(system, settings.scaling)
     spaces = subspaces(scaled(joined(labels, parts), system, scaling))
     numeric = NumericSystem(system, 0.0, float(labels[-1]))
-    still = Rates(0.0, 0.0, 0.0, 0.0)
+    still = Rates(0.0, 0.0, 0.0)
     return Numeric(numeric, settings, scaling, Horizon(0.0, labels, "given"), still, spaces)

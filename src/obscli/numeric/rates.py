@@ -1,10 +1,9 @@
-"""How fast a system is: rates of its coefficients, of its motion, and of the bound that steps must respect.
+"""How fast a system is: rates of its coefficients and of its motion.
 
 All in 1/(unit of time), and none depends on the units of the states:
 
     ν  fastest rate of change |dθ/dt| of an argument of sin, cos, exp, … in A, H
     λ  largest |eigenvalue| of A(t)
-    ρ  Perron root of max_t |A(t)|: bounds ‖D⁻¹ A D‖ for the best diagonal D
     β  largest −Re(eigenvalue) of A(t): how fast Φ(τ, t) may grow backwards
 """
 
@@ -27,11 +26,10 @@ _HIGHEST_POWER: Final = 4
 
 @dataclass(frozen=True, slots=True)
 class Rates:
-    """ν of the coefficients (with the sample motion), λ of the dynamics, ρ for the steps, β of decay."""
+    """ν of the coefficients (with the sample motion), λ of the dynamics, β of decay."""
 
     coefficients: float
     dynamics: float
-    perron: float
     backward: float
 
     @property
@@ -48,7 +46,6 @@ def rates_of(system: NumericSystem, t: Array) -> Rates:
     return Rates(
         coefficients=max(_argument_rate(system, t), system.motion.rate if system.motion else 0.0),
         dynamics=float(np.abs(eigenvalues).max(initial=0.0)),
-        perron=float(np.abs(np.linalg.eigvals(np.abs(core).max(axis=0))).max(initial=0.0)),
         backward=float((-eigenvalues.real).max(initial=0.0)),
     )
 
