@@ -41,12 +41,12 @@ def _pair(proof: Proof, b: Element, c: Element) -> str:
     half = b * field.rational(_HALF)
     square = half * half - c
     imaginary = sign(proof, square) == -1
-    size = to_text(_square_root(proof, -square if imaginary else square))
+    size = to_text(square_root(proof, -square if imaginary else square))
     middle = f"{to_text(proof.restorer.element(-half))} " if half else ""
     return f"{middle}±{' ' if middle else ''}{'i*' if imaginary else ''}{size}"
 
 
-def _square_root(proof: Proof, square: Element) -> Expression:
+def square_root(proof: Proof, square: Element) -> Expression:
     """Return √square up to its sign, without a root where it is a perfect square."""
     num, den = (_root_of(one) for one in (square.num, square.den))
     if num is None or den is None:

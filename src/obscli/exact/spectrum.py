@@ -91,18 +91,19 @@ def _plus_multiple(field: Field, matrix: Square, multiple: Element) -> Square:
     return tuple({j: entry for j, entry in row.items() if entry} for row in rows)
 
 
-def factors(field: Field, coefficients: Sequence[Element]) -> list[Factor]:
+def factors(field: Field, coefficients: Sequence[Element], *, formally: bool = False) -> list[Factor]:
     """Return the irreducible factors of a monic polynomial in s over the field, by degree.
 
     Where algebraic generators occur in it, only powers of s and perfect splittings by them are left
-    unfound: the polynomial then counts as one factor.
+    unfound: the polynomial then counts as one factor. ``formally``: they are taken for independent; the
+    factors found then divide it all the same, but they may have roots in common.
     """
     degree = next(k for k, c in enumerate(coefficients) if c)
     found = [Factor((field.zero, field.one), degree)] if degree else []
     rest = coefficients[degree:]
     if len(rest) == 1:
         return found
-    if len(rest) == 2 or _is_algebraic(field, rest):
+    if len(rest) == 2 or (_is_algebraic(field, rest) and not formally):
         return [*found, Factor(tuple(rest), 1)]
     return [*found, *_factored(field, rest)]
 

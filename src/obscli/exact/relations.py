@@ -1,0 +1,115 @@
+"""The method of unobservable states, automated: y_i(t) = Σ_j f_j(t) d_ijᵀ x0, term by term.
+
+Of a time-invariant system, with μ the least polynomial that annihilates the rows of H, d its degree, and
+f_0 … f_{d−1} a basis of the solutions of μ(d/dt) f = 0:
+
+    H e^{At} = Σ_j f_j(t) D_j      exactly if      H A^k = Σ_j f_j^(k)(0) D_j,   k < d
+
+(both sides are annihilated by μ(d/dt) and begin with the same d derivatives). The matrix of the f_j^(k)(0)
+is invertible and its entries are in the field, so the D_j are found exactly. Their rows span those of the
+observability matrix: the method agrees with the rank condition, which is checked all the same.
+
+References
+----------
+V. I. Kortunov, G. A. Proskura (2006), (4)-(7).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from obscli.exact.annihilator import annihilator
+from obscli.exact.echelon import polynomial_row, reduced_echelon
+from obscli.exact.errors import JetOverflowError, UndecidedError
+from obscli.exact.exact_system import more_jets
+from obscli.exact.field import Element
+from obscli.exact.fundamental import fundamental_system
+from obscli.exact.prove import Proof, prove_read
+from obscli.exact.relation_terms import Term, related, require_same_space, situations
+from obscli.exact.relations_finding import Relations
+from obscli.exact.rows import field_row
+from obscli.exact.series_relations import series_relations
+from obscli.exact.spectrum import factors
+
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from obscli.exact.exact_system import Row
+    from obscli.exact.field import Field
+    from obscli.exact.fundamental import Fundamental, FundamentalSystem
+
+
+def relations_of(proof: Proof) -> Relations:
+    """Return the relations of a system whose rank is proved.
+
+    Raises
+    ------
+    UndecidedError : the coefficients grow too large, or the relations do not agree with the rank
+    """
+    while True:
+        try:
+            return series_relations(proof) if proof.exact.varies else _exact_relations(proof)
+        except JetOverflowError:  # the blocks themselves need more derivatives than their reduced rows
+            proof = prove_read(more_jets(proof.exact), range(proof.exact.n), ())
+
+
+def _exact_relations(proof: Proof) -> Relations:
+    exact = proof.exact
+    field, names = exact.field, exact.system.state_names
+    found = annihilator(exact)
+    basis, weights = _basis(proof, found.coefficients)
+    terms = related(field, names, proof.restorer, _terms(proof, basis.functions, weights, found.blocks))
+    kernel = (field_row(field, column) for column in proof.kernel.columns.values())
+    require_same_space(field, terms.span, kernel, proof.rank)
+    return Relations(
+        exact=True,
+        relations=terms.relations,
+        situations=situations(names, terms.span),
+        canonical=basis.canonical,
+        notes=basis.notes,
+    )
+
+
+def _basis(proof: Proof, coefficients: Sequence[Element]) -> tuple[FundamentalSystem, list[Row]]:
+    """Return functions that μ(d/dt) annihilates, and the inverse of the matrix of their derivatives at 0.
+
+    Factors found formally may have a root in common; the functions are dependent then.
+    """
+    field = proof.exact.field
+    for formally in (True, False):
+        basis = fundamental_system(proof, factors(field, coefficients, formally=formally))
+        weights = _inverse(field, basis.functions)
+        if len(weights) == len(basis.functions):
+            return basis, weights
+    raise UndecidedError("the functions of time that the outputs consist of were not told apart")
+
+
+def _terms(
+    proof: Proof, functions: Sequence[Fundamental], weights: Sequence[Row], blocks: Sequence[Sequence[Row]]
+) -> Iterator[Term]:
+    """Yield the rows of D_j = Σ_k X_jk H A^k, X the inverse of the f_j^(k)(0)."""
+    field, outputs = proof.exact.field, proof.exact.system.outputs
+    for function, weight in zip(functions, weights, strict=True):
+        for i, output in enumerate(outputs):
+            total: dict[int, Element] = {}
+            for k, factor in weight.items():
+                for j, entry in blocks[k][i].items():
+                    total[j] = total.get(j, field.zero) + factor * entry
+            row = {j: entry for j, entry in total.items() if entry}
+            yield Term(function.expression, output.name, row)
+
+
+def _inverse(field: Field, functions: Sequence[Fundamental]) -> list[Row]:
+    """Return the inverse of the matrix with the k-th derivatives at 0 in its k-th row; fewer rows: none."""
+    d = len(functions)
+    rows = []
+    for k in range(d):
+        row = {j: one.derivatives[k] for j, one in enumerate(functions) if one.derivatives[k]}
+        rows.append(polynomial_row(field, {**row, d + k: field.one}))
+    inverse: list[Row] = []
+    for pivot, found in sorted(reduced_echelon(field, rows, range(2 * d)).items()):
+        if pivot < d:
+            lead = Element(field, found[pivot], field.one_polynomial)
+            inverse.append({k - d: entry / lead for k, entry in field_row(field, found).items() if k >= d})
+    return inverse

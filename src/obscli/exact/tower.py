@@ -1,0 +1,52 @@
+"""The blocks of the observability matrix as they stand, one derivative after the other.
+
+    L_0 = H,   L_{k+1} = L_k' + L_k A
+
+Only for few blocks: unlike the reduced rows of the elimination these grow with every derivative.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from obscli.exact.polynomial import require_small
+
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from obscli.exact.exact_system import ExactSystem, Row
+    from obscli.exact.field import Element
+
+#: The squares of the numbers of terms in all blocks may add up to this; it takes about a second.
+_MOST_WORK: Final = 10_000_000
+
+
+def tower(exact: ExactSystem) -> Iterator[tuple[Row, ...]]:
+    """Yield L_0, L_1, … without end, one sparse row an output.
+
+    Raises
+    ------
+    UndecidedError : the blocks grow too large
+    JetOverflowError : more derivatives of a function are needed than the field holds
+    """
+    level, work = exact.H, 0
+    while True:
+        yield level
+        work += sum(_size(entry) for row in level for entry in row.values())
+        require_small(work, _MOST_WORK)
+        level = tuple(_next(exact, row) for row in level)
+
+
+def _next(exact: ExactSystem, row: Row) -> Row:
+    """Return l' + l A."""
+    field = exact.field
+    total: dict[int, Element] = {j: field.derive(entry) for j, entry in row.items()} if exact.varies else {}
+    for i, entry in row.items():
+        for j, other in exact.A[i].items():
+            total[j] = total.get(j, field.zero) + entry * other
+    return {j: entry for j, entry in total.items() if entry}
+
+
+def _size(entry: Element) -> int:
+    return (len(entry.num) + len(entry.den)) ** 2
