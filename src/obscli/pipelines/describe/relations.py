@@ -49,7 +49,9 @@ def _blocks(relations: Relations, system: System) -> Iterator[Block]:
     yield Paragraph(plain(_introduction(relations, system)))
     shown = [one for one in relations.relations if one.independent]
     if shown:
-        yield Table(COLUMNS, tuple(_row(one, system) for one in shown), _caption(relations, system, len(shown)))
+        yield Table(
+            COLUMNS, tuple(_row(one, system) for one in shown), _caption(relations, system, len(shown))
+        )
     if relations.canonical:
         yield Listing(tuple(plain(_meaning(one)) for one in relations.canonical))
     yield Table(SITUATION_COLUMNS, tuple(_situations(relations)))
