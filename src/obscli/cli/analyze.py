@@ -88,6 +88,7 @@ def analyze(  # noqa: PLR0913 - one parameter an option
         only=cast("Part | None", only),
         numeric=numeric,
         curves=details or plot is not None,
+        relations=details,
     )
     with refusals(), ProgressLine() as progress:
         report = run(model, request=request, changes=changes, progress=progress)

@@ -18,6 +18,8 @@ from obscli.exact.nominal import rank_at_values
 from obscli.exact.nonzero import first_nonzero
 from obscli.exact.origin import first_rows
 from obscli.exact.prove import Proof, certificate, prove
+from obscli.exact.relations import relations_of
+from obscli.exact.relations_finding import Relations
 from obscli.exact.rows import dot
 from obscli.exact.saturation import saturate
 from obscli.exact.structure import structure_of
@@ -43,7 +45,7 @@ class Options:
     ``basis``: the form of the printed basis, or rows the user prefers; ``pivot_order``: states to be
     eliminated first, the rest following in the order of the model; ``critical``: search for parameter
     values at which the rank drops, or only for candidates; ``structure``: find how the unobservable subspace
-    moves.
+    moves; ``relations``: find what the outputs are made of.
     """
 
     basis: Literal["echelon", "sparse"] | tuple[Quantity, ...] = "echelon"
@@ -51,6 +53,7 @@ class Options:
     critical: bool | Literal["candidates"] = True
     certificate: bool = True
     structure: bool = True
+    relations: bool = False
 
 
 def analyze(
@@ -123,8 +126,16 @@ def _describe(proof: Proof, options: Options, progress: Progress) -> Analysis:
         free=tuple(names[f] for f in proof.kernel.columns),
         notes=(*notes, *_notes(system)),
         structure=structure,
+        relations=_relations(proof) if options.relations else None,
     )
     return replace(analysis, advice=advise(analysis))
+
+
+def _relations(proof: Proof) -> Relations | None:
+    try:
+        return relations_of(proof)
+    except UndecidedError:
+        return None
 
 
 def _critical(proof: Proof, options: Options, progress: Progress) -> CriticalSearch:

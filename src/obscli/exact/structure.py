@@ -14,10 +14,13 @@ from typing import TYPE_CHECKING, Final
 from obscli.exact.echelon import polynomial_row
 from obscli.exact.eigenvalue_text import eigenvalue_text
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
+from obscli.exact.exact_system import more_jets
 from obscli.exact.hidden_dynamics import HiddenDynamics, constant_part, hidden_dynamics, transposed
 from obscli.exact.hurwitz import Stability, has_parameters, roots_there, stability
+from obscli.exact.kalman import kalman_dimensions
 from obscli.exact.period import period
-from obscli.exact.prove import Proof, prove
+from obscli.exact.prove import Proof, prove, prove_read
+from obscli.exact.reachable import inputs_of
 from obscli.exact.spectrum import characteristic_polynomial, factors, modes_of
 from obscli.exact.structure_finding import Mode, OnCondition, Structure
 from obscli.model.specialise import Specialisation, at_nominal
@@ -53,7 +56,7 @@ def structure_of(
     """
     found = _of_proof(proof)
     return replace(
-        found,
+        _with_parts(found, proof),
         at_values=None if at_values is None else _at_values(proof, found, at_values),
         critical=() if critical is None else tuple(_on_conditions(proof, critical)),
     )
@@ -64,7 +67,7 @@ def _at_values(proof: Proof, found: Structure, at_values: AtValues) -> Structure
     same = all(mode.kind_there == mode.kind for mode in found.modes)
     if at_values.rank is None or (at_values.rank == proof.rank and same):
         return None
-    return _specialised(at_nominal(proof.exact.system))
+    return _specialised(at_nominal(proof.exact.system), parts=True)
 
 
 def _on_conditions(proof: Proof, critical: CriticalSearch) -> Iterator[OnCondition]:
@@ -75,12 +78,29 @@ def _on_conditions(proof: Proof, critical: CriticalSearch) -> Iterator[OnConditi
                 yield OnCondition(one.condition, there)
 
 
-def _specialised(special: Specialisation) -> Structure | None:
+def _specialised(special: Specialisation, *, parts: bool = False) -> Structure | None:
+    """Return the structure of a specialised system, None where its rank is not proved."""
     system = special.system()
     try:
-        return _of_proof(prove(system, range(system.n)))
+        proof = prove(system, range(system.n))
     except (UndecidedError, UndefinedError):
         return None
+    found = _of_proof(proof)
+    return _with_parts(found, proof) if parts else found
+
+
+def _with_parts(found: Structure, proof: Proof) -> Structure:
+    """Return the structure with the dimensions of the Kalman decomposition, where there are inputs."""
+    inputs = inputs_of(proof.exact.system)
+    if inputs is None:
+        return found
+    while True:
+        try:
+            return replace(found, kalman=kalman_dimensions(proof), inputs=inputs.by)
+        except JetOverflowError:
+            proof = prove_read(more_jets(proof.exact), range(proof.exact.n), ())
+        except (UndecidedError, UndefinedError):
+            return replace(found, inputs=inputs.by)
 
 
 def _of_proof(proof: Proof) -> Structure:

@@ -127,6 +127,7 @@ def _analyze_system(system: System, request: AnalyzeRequest, progress: Progress)
         basis=basis,
         pivot_order=expanded_states(system, request.pivot_order),
         critical=request.critical,
+        relations=request.relations,
     )
     return engine.analyze(system, options, progress)
 

@@ -69,7 +69,7 @@ class AnalyzeRequest:
     """How to analyse: stages (empty: all), basis (a path: rows preferred), pivots, critical search.
 
     ``only``: one part alone; ``numeric``: the options of the numerical side; ``curves``: guess the forms of
-    the coefficients also where the numerical side is not alone.
+    the coefficients also where the numerical side is not alone; ``relations``: find what outputs are made of.
     """
 
     stages: tuple[str, ...] = ()
@@ -79,6 +79,7 @@ class AnalyzeRequest:
     only: Part | None = None
     numeric: NumericRequest = NumericRequest()
     curves: bool = False
+    relations: bool = False
 
 
 #: The parts of a calibration that can be asked for alone.

@@ -9,6 +9,7 @@ from obscli.core.number import json_number
 from obscli.exact.finding import Analysis, StateVerdict
 from obscli.exact.structure_finding import Mode, Structure
 from obscli.pipelines.certificate_data import covector_to_data
+from obscli.pipelines.relations_data import relations_data
 
 
 #: The situation of a coordinate in the method of unobservable states, by its verdict.
@@ -29,6 +30,7 @@ def structure_data(finding: Analysis, found: Detectability, there: Detectability
         "inputs": structure.inputs,
         "situations": {state: SITUATIONS[verdict] for state, verdict in finding.states.items()},
         "at_values": None if there is None else {**_structure(there.of), **_verdict(there)},
+        "relations": None if finding.relations is None else relations_data(finding.relations, finding.system),
         "critical": [
             {"where": one.condition, **_structure(one.structure), "verdict": one.structure.verdict}
             for one in structure.critical

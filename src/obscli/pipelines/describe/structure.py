@@ -26,6 +26,7 @@ from obscli.exact.finding import Analysis
 from obscli.exact.structure_finding import Mode, ModeKind, OnCondition, Structure
 from obscli.model.system import System
 from obscli.pipelines.describe.formulas import direction
+from obscli.pipelines.describe.relations import relation_blocks
 from obscli.pipelines.stage_result import StageResult
 
 
@@ -46,6 +47,12 @@ ROLES: Final[dict[ModeKind, Role]] = {
     "depends": "open",
     "undecided": "open",
 }
+PARTS: Final = (
+    "reachable and unobservable",
+    "reachable and observable",
+    "unobservable only",
+    "observable only",
+)
 KINDS: Final[dict[str, Kind]] = {"observable": "good", "detectable": "good", "not detectable": "bad"}
 
 
@@ -60,6 +67,7 @@ def structure_blocks(result: StageResult) -> Iterator[Block]:
     if structure.verdict == "depends":
         yield VerdictLine("info", plain(f"detectable iff {structure.condition}"))
     yield _verdict_line(found, "" if there is None else "at generic values, ")
+    yield from _kalman(structure)
     yield from on_condition_blocks(structure)
     if there is not None:
         yield Paragraph(
@@ -67,6 +75,18 @@ def structure_blocks(result: StageResult) -> Iterator[Block]:
         )
         yield from mode_blocks(there.of, result.system)
         yield _verdict_line(there, "at the file's values, ")
+        yield from _kalman(there.of)
+    if finding.relations is not None:
+        yield from relation_blocks(finding.relations, result.system)
+
+
+def _kalman(structure: Structure) -> Iterator[Block]:
+    """Yield the dimensions of the four parts of the Kalman decomposition, where there are inputs."""
+    if structure.kalman is not None:
+        inputs = "inputs (B)" if structure.inputs == "B" else "disturbances (G)"
+        sizes = zip(structure.kalman, PARTS, strict=True)
+        parts = ", ".join(f"{size} {part}" for size, part in sizes if size)
+        yield Paragraph(plain(f"Kalman decomposition by {inputs}: {parts}."))
 
 
 def _verdict_line(found: Detectability, where: str) -> VerdictLine:
