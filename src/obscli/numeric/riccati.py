@@ -1,0 +1,152 @@
+"""The Riccati equation from two priors: where what is hidden dies out, both end in the same covariance.
+
+    P(t) from P0 and from 4 P0:    detectable  ⟹  ‖P₄ − P₁‖ → 0
+
+in units of P0's deviations. The covariance is carried as a square root, P = L Lᵀ, from sample to sample:
+
+    (Φ L   M) = (L⁻  0) Q',   M Mᵀ the driving noise of the step
+    (R^½  H L⁻)      (*  0  )
+    (0      L⁻) = Q' (*  L⁺ )     by columns
+
+References
+----------
+M. S. Grewal, A. P. Andrews, Kalman Filtering (2008), 6.5 (square-root filters).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from obscli.model.system import System
+from obscli.numeric.errors import NotComputableError
+from obscli.numeric.hidden_motion import transitions, units_of
+from obscli.numeric.noise import NoiseModel, noise_model
+from obscli.numeric.numeric_system import NumericSystem, constants_of
+from obscli.numeric.program import Array, constant_value
+from obscli.numeric.rates import rates_of
+from obscli.numeric.settings import Effort
+from obscli.numeric.transition import edges_of, longest_step
+
+
+#: Samples where the noise is given as a density, and how many there may be.
+_SAMPLES: Final = 400
+_MOST: Final = 20_000
+_STEP_ERROR: Final = 1e-12
+_PROBES: Final = 18
+_WIDER: Final = 4.0
+
+#: How many instants are shown, the first and the last among them.
+_SHOWN: Final = 7
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CrossCheck:
+    """Deviations by state from P0 and from 4 P0 at some instants, and how far the two are apart.
+
+    ``apart``: the square root of the largest eigenvalue of P₄ − P₁ in units of the prior's deviations, 1 at
+    the start; ``assumed``: states without a prior in the file, taken with the deviation ``scale``, or 1.
+    """
+
+    instants: tuple[float, ...]
+    deviations: dict[str, tuple[float, ...]]
+    wider: dict[str, tuple[float, ...]]
+    apart: tuple[float, ...]
+    assumed: tuple[str, ...]
+
+
+def cross_check(system: System, start: float, stop: float) -> CrossCheck:
+    """Solve the Riccati equation of the Kalman filter from P0 and 4 P0.
+
+    Raises
+    ------
+    NotComputableError
+        where there is no noise of the outputs, or too many samples
+    """
+    numeric = NumericSystem(system, start, stop)
+    noise = noise_model(numeric)
+    instants, step = _samples(system, start, stop)
+    P0, assumed = _prior(system, noise)
+    first: Array = np.asarray(np.linalg.cholesky(P0), dtype=float)
+    found = [_covariances(noise, start, instants, step, factor * first) for factor in (1.0, _WIDER**0.5)]
+    units = np.sqrt(np.diag(P0))
+    times = np.concatenate([[start], instants])
+    shown = np.unique(np.round(np.linspace(0, len(instants), _SHOWN)).astype(int))
+    narrow, wide = ([found[i][k] for k in shown] for i in (0, 1))
+    return CrossCheck(
+        tuple(float(times[k]) for k in shown),
+        _by_state(system, narrow),
+        _by_state(system, wide),
+        tuple(_apart(a, b, units) for a, b in zip(narrow, wide, strict=True)),
+        assumed,
+    )
+
+
+def _samples(system: System, start: float, stop: float) -> tuple[Array, float]:
+    """Return the instants after the start at which outputs are taken, and the time between them."""
+    noise = system.noise
+    given = noise.step if noise else None
+    step = (stop - start) / _SAMPLES if given is None else constant_value(given, constants_of(system))
+    count = int((stop - start) / step * (1 + 1e-12))
+    if not 0 < count <= _MOST:
+        raise NotComputableError(
+            f"{count} samples on the interval: between 1 and {_MOST} can be cross-checked"
+        )
+    instants: Array = start + step * np.arange(1.0, count + 1)
+    return instants, step
+
+
+def _prior(system: System, noise: NoiseModel) -> tuple[Array, tuple[str, ...]]:
+    """Return P0 with the units of the states where the file gives no prior, and the names of these."""
+    P0: Array = noise.P0.copy()
+    missing = np.diag(P0) == 0
+    P0[missing, missing] = units_of(system)[missing] ** 2
+    names = zip(system.state_names, missing, strict=True)
+    return P0, tuple(name for name, absent in names if absent)
+
+
+def _covariances(noise: NoiseModel, start: float, instants: Array, step: float, root: Array) -> list[Array]:
+    """Return P at the start, after its sample, and after each of the samples."""
+    system = noise.system
+    outputs = system.matrices(np.concatenate([[start], instants]))[1]
+    whitened = noise.whitening @ outputs * np.sqrt(step)
+    rates = rates_of(system, np.linspace(start, instants[-1], _PROBES)[1:-1])
+    edges = edges_of(start, instants, longest_step(rates), _MOST)
+    root = _updated(root, whitened[0])
+    found, before = [root], start
+    for phi, end in transitions(system, edges, Effort(_STEP_ERROR, _MOST)):
+        root = np.asarray(np.linalg.solve(phi, root), dtype=float)
+        if noise.drive is not None:
+            L = np.sqrt((end - before) / 2) * noise.driving(np.array([before, end]))
+            root = _lower(np.concatenate([root, np.linalg.solve(phi, L[0]), L[1]], axis=1))
+        before = end
+        if end == instants[len(found) - 1]:
+            root = _updated(root, whitened[len(found)])
+            found.append(root)
+    return [one @ one.T for one in found]
+
+
+def _updated(root: Array, rows: Array) -> Array:
+    """Return the square root of P after an output y = rows x + v with E v vᵀ = I."""
+    m, n = rows.shape
+    joint = np.block([[np.eye(m), rows @ root], [np.zeros((n, m)), root]])
+    return _lower(joint)[m:, m:]
+
+
+def _lower(matrix: Array) -> Array:
+    """Return a lower triangular L, shape (k, k), with L Lᵀ = M Mᵀ for M (k, …)."""
+    triangle: Array = np.linalg.qr(matrix.T, mode="r")  # type: ignore[assignment]  # no QRResult in this mode
+    return triangle.T
+
+
+def _by_state(system: System, covariances: list[Array]) -> dict[str, tuple[float, ...]]:
+    deviations = np.sqrt(np.array([np.diag(P) for P in covariances]))
+    return {name: tuple(map(float, deviations[:, j])) for j, name in enumerate(system.state_names)}
+
+
+def _apart(narrow: Array, wide: Array, units: Array) -> float:
+    difference = (wide - narrow) / units / units[:, None]
+    largest = float(np.linalg.eigvalsh((difference + difference.T) / 2)[-1])
+    return float(np.sqrt(max(largest, 0.0) / (_WIDER - 1)))
