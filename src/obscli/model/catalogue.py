@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Final, TypeAlias
 
 from obscli.model.expression import ELEMENTARY, Number
-from obscli.model.form import ZERO_FORM, Form, Impossible, applied, constant_of, exponential
+from obscli.model.form import ZERO_FORM, Form, Impossible, applied, exponential, value_of
 from obscli.model.rotations import cross, omega4, quat_matrix, rotation, skew
 from obscli.model.tensor import Tensor, identity, inner, matrix, named, scalar, transpose, vector
 
@@ -77,7 +77,7 @@ def _dot(arguments: Arguments) -> Tensor:
 def _norm(arguments: Arguments) -> Tensor:
     _count(arguments, 1, "norm(v)")
     for entry in arguments[0].entries:
-        constant_of(entry, "inside norm")
+        value_of(entry, "inside norm")
     return scalar(exponential(inner(arguments[0].entries, arguments[0].entries), _HALF))
 
 

@@ -77,6 +77,7 @@ class Draft:
     outputs: Mapping[str, tuple[Scalar, str]] = field(default_factory=dict)
     noise: Node | None = None
     interval: Node | None = None
+    linearize: Entries | None = None
 
     @property
     def is_empty(self) -> bool:

@@ -99,7 +99,7 @@ def _rows(draft: Draft, scope: Scope, problems: Problems) -> list[Row | None]:
         shape = wholes[name].shape if name in wholes else ()
         value = None if entry.formula is None else evaluate(entry.formula, scope, problems)
         if value is not None:
-            _keep(entry, cells, shape, value, found, problems)
+            _keep(entry, cells, shape, value, found, problems, local=draft.linearize is not None)
     return [found.get(state) for state in states]
 
 
@@ -110,6 +110,8 @@ def _keep(
     value: Tensor,
     found: dict[str, Row],
     problems: Problems,
+    *,
+    local: bool,
 ) -> None:
     assert entry.formula is not None
     if value.shape != shape and not (value.is_scalar and len(cells) == 1):
@@ -117,7 +119,7 @@ def _keep(
         problems.add(entry.formula.problem(message))
         return
     before = set(found)
-    for row in linear_rows(entry.formula, cells, value, problems):
+    for row in linear_rows(entry.formula, cells, value, problems, local=local):
         if row.name in before:
             problems.add(entry.key.problem("dynamics", f"the right-hand side of '{row.name}' is given twice"))
         found[row.name] = row

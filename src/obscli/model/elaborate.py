@@ -20,6 +20,7 @@ from obscli.model.latex import checked_latex
 from obscli.model.linear import linear_values, quantity
 from obscli.model.meter import Meter
 from obscli.model.noise import Targets, noise_of
+from obscli.model.nominal import nominal_values
 from obscli.model.observation import observation
 from obscli.model.prior import prior_deviations
 from obscli.model.scope import Scope
@@ -66,10 +67,12 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
     states = _states(draft, known, problems)
     if not draft.states_sound:
         return None
-    moving = known.scope.with_values(linear_values(draft, inputs=True))
+    nominal = nominal_values(draft, known.scope, problems)
+    moving = known.scope.with_values(linear_values(draft, inputs=True, nominal=nominal))
+    seen = known.scope.with_values(linear_values(draft, inputs=False, nominal=nominal))
     still = known.scope.with_values(linear_values(draft, inputs=False))
     dynamics = motion(draft, known.scope, moving, problems)
-    measured = observation(draft, known.scope, still, problems)
+    measured = observation(draft, known.scope, seen, problems)
     if dynamics is None or measured is None:
         _report_missing(draft, setting, problems)
         return None

@@ -9,8 +9,8 @@ from typing import Final, TypeAlias
 
 from obscli.model.block import block
 from obscli.model.catalogue import CATALOGUE, NOT_ANALYTIC, RESERVED
-from obscli.model.expression import ExpressionTooLarge, Number, Pi
-from obscli.model.form import Impossible, constant_of
+from obscli.model.expression import Expression, ExpressionTooLarge, Number, Pi
+from obscli.model.form import Form, Impossible
 from obscli.model.formula import Formula, Located
 from obscli.model.scope import Absent, Scope
 from obscli.model.tensor import (
@@ -223,8 +223,16 @@ def _call(name: str, operands: tuple[Tensor, ...], scope: Scope) -> Tensor:
     if len(operands) != 1:
         raise Impossible("deriv takes one argument: deriv(f)")
     (value,) = operands
-    parts = (scope.derive(constant_of(entry, "inside deriv")) for entry in value.entries)
+    parts = (scope.derive(_without_states(entry)) for entry in value.entries)
     return Tensor(value.shape, tuple(scalar(part).entries[0] for part in parts))
+
+
+def _without_states(form: Form) -> Expression:
+    if form.linear:
+        name = next(iter(form.linear))
+        hint = "the derivative of a state is its right-hand side; write that"
+        raise Impossible(f"'{name}' stands inside deriv, which takes functions of time", hint)
+    return form.constant
 
 
 def _matmul_work(left: Tensor, right: Tensor) -> int:

@@ -227,7 +227,8 @@ def symbols(*roots: Expression) -> frozenset[str]:
     return frozenset(names)
 
 
-def _outer_derivative(function: str, u: Expression) -> Expression:  # noqa: C901, PLR0911, PLR0912
+def derivative_of(function: str, u: Expression) -> Expression:  # noqa: C901, PLR0911, PLR0912
+    """Return f'(u) of an elementary function."""
     square = power(u, 2)
     match function:
         case "sin":
@@ -315,7 +316,7 @@ class TimeDerivative:
                 )
             case Apply(function, argument):
                 inner = self(argument)
-                return ZERO if is_zero(inner) else multiply(inner, _outer_derivative(function, argument))
+                return ZERO if is_zero(inner) else multiply(inner, derivative_of(function, argument))
         return ZERO
 
     def _symbol(self, name: str) -> Expression:

@@ -77,14 +77,14 @@ def _fixed(name: str, entry: Entry, draft: Draft, scope: Scope, problems: Proble
     if value is None:
         return {}
     if name in functions and functions[name].shape:
-        return _spread(functions[name], entry, value, problems)
+        return spread(functions[name], entry, value, problems)
     if not value.is_scalar:
         problems.add(entry.formula.problem(f"'{name}' is a scalar; the value is {named(value.shape)}"))
         return {}
     return {name: scalar(value.entries[0])}
 
 
-def _spread(one: Declared, entry: Entry, value: Tensor, problems: Problems) -> dict[str, Tensor]:
+def spread(one: Declared, entry: Entry, value: Tensor, problems: Problems) -> dict[str, Tensor]:
     """Return the value of each component of a vector function; 0 stands for a vector of zeros."""
     if value.is_scalar and is_zero_form(value.entries[0]):
         return {name: scalar(value.entries[0]) for name in one.components}

@@ -1,11 +1,16 @@
-"""Scalars that are affine in the states (or inputs): constant + Σ coefficient·state.
+"""Scalars to first order in the states (or inputs): constant + Σ coefficient·state.
 
-Everything a file computes is made of these; a product of two states is refused here, by name.
+Everything a file computes is made of these. About a nominal point x̄ (``linearize``) the constant is f(x̄), the
+coefficients are ∂f/∂x at x̄, carried along by the rules of differentiation:
+
+    (a + A)(b + B) = ab + bA + aB,    f(a + A) = f(a) + f'(a) A
+
+Without a value for a state everything has to be linear in it; what is not is refused here, by name.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Final
@@ -17,14 +22,19 @@ from obscli.model.expression import (
     Apply,
     Expression,
     Number,
+    Power,
     Product,
     Sum,
     Symbol,
     add,
+    children,
+    derivative_of,
     is_zero,
     multiply,
     negate,
+    postorder,
     power,
+    rebuild,
 )
 
 
@@ -42,10 +52,22 @@ class Impossible(Exception):  # noqa: N818
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Form:
-    """constant + Σ linear[name]·name; the names are states, inputs or disturbances."""
+    """constant + Σ linear[name]·name; the names are states, inputs or disturbances.
+
+    ``held``: the names whose nominal values the constant is taken at; None: there is no nominal point here.
+    Of the other names the constant holds no value: it may be added to, but not multiplied into a coefficient.
+    A name held may have the coefficient 0: the square of x depends on x at x = 0 too, and its root has no
+    derivative there.
+    """
 
     constant: Expression = ZERO
     linear: Mapping[str, Expression] = field(default_factory=dict)
+    held: frozenset[str] | None = None
+
+    @property
+    def open_names(self) -> tuple[str, ...]:
+        """The names that the form depends on without a value of theirs."""
+        return tuple(name for name in self.linear if name not in (self.held or ()))
 
 
 ZERO_FORM: Final = Form()
@@ -84,7 +106,9 @@ def total(forms: Iterable[Form]) -> Form:
             parts.setdefault(name, []).append(coefficient)
     linear = {name: _sum(nodes) for name, nodes in parts.items()}
     constant = _sum([form.constant for form in forms])
-    return Form(constant, {name: node for name, node in linear.items() if not is_zero(node)})
+    held = next((form.held for form in forms if form.held is not None), None)
+    kept = {name: node for name, node in linear.items() if name in (held or ()) or not is_zero(node)}
+    return Form(constant, kept, held)
 
 
 def _sum(nodes: list[Expression]) -> Expression:
@@ -93,18 +117,41 @@ def _sum(nodes: list[Expression]) -> Expression:
 
 
 def product(left: Form, right: Form) -> Form:
-    """Return the product; one of the two must be free of states."""
+    """Return the product; one of the two must be free of states, or both have values."""
     if left.linear and right.linear:
-        raise Impossible(
-            f"not linear in the states: {_named(left)} is multiplied by {_named(right)}",
-            "give the linearised right-hand side (`linearize` is not supported yet)",
-        )
+        _require_values(left, right)
+        if left is right:
+            return _raised_form(left, Fraction(2), "under a power")
     if is_zero_form(left) or is_zero_form(right):
         return ZERO_FORM
     constant = _times(left.constant, right.constant)
-    if left.linear:
-        return Form(constant, {name: _times(node, right.constant) for name, node in left.linear.items()})
-    return Form(constant, {name: _times(left.constant, node) for name, node in right.linear.items()})
+    by_left = Form(constant, _scaled(left.linear, right.constant), left.held)
+    by_right = Form(ZERO, _scaled(right.linear, left.constant), right.held)
+    return total((by_left, by_right)) if left.linear and right.linear else _either(by_left, by_right)
+
+
+def _either(by_left: Form, by_right: Form) -> Form:
+    return Form(by_left.constant, by_right.linear, by_right.held) if by_right.linear else by_left
+
+
+def _scaled(linear: Mapping[str, Expression], factor: Expression) -> dict[str, Expression]:
+    return {name: _times(node, factor) for name, node in linear.items()}
+
+
+def _require_values(left: Form, right: Form) -> None:
+    """Refuse the product of two forms in states where not all of them have values."""
+    missing = tuple(dict.fromkeys((*left.open_names, *right.open_names)))
+    if missing:
+        first, second = ((*form.open_names, *form.linear)[0] for form in (left, right))
+        message = f"not linear in the states: '{first}' is multiplied by '{second}'"
+        raise Impossible(message, _remedy(left, missing))
+
+
+def _remedy(form: Form, missing: tuple[str, ...]) -> str:
+    if form.held is None:
+        return "a linear combination of the states is expected"
+    pairs = ", ".join(f"{name}: …" for name in missing[:3])
+    return f"give the value to linearise about: `linearize: {{trajectory: {{{pairs}}}}}`"
 
 
 def _times(left: Expression, right: Expression) -> Expression:
@@ -115,26 +162,21 @@ def _times(left: Expression, right: Expression) -> Expression:
 
 def opposite(form: Form) -> Form:
     """Return −form."""
-    return Form(negate(form.constant), {name: negate(node) for name, node in form.linear.items()})
+    linear = {name: negate(node) for name, node in form.linear.items()}
+    return Form(negate(form.constant), linear, form.held)
 
 
 def quotient(left: Form, right: Form) -> Form:
-    """Return left / right; the divisor must be free of states and not 0."""
-    return product(left, Form(raised(constant_of(right, "in a divisor"), Fraction(-1))))
+    """Return left / right; the divisor must not be 0."""
+    return product(left, _raised_form(right, Fraction(-1), "in a divisor"))
 
 
-def constant_of(form: Form, how: str) -> Expression:
-    """Return the form as an expression free of states."""
-    if form.linear:
-        raise Impossible(
-            f"not linear in the states: '{next(iter(form.linear))}' stands {how}",
-            "give the linearised right-hand side (`linearize` is not supported yet)",
-        )
+def value_of(form: Form, how: str) -> Expression:
+    """Return the value of the form at the nominal point."""
+    missing = form.open_names
+    if missing:
+        raise Impossible(f"not linear in the states: '{missing[0]}' stands {how}", _remedy(form, missing))
     return form.constant
-
-
-def _named(form: Form) -> str:
-    return f"'{next(iter(form.linear))}'"
 
 
 def raised(base: Expression, exponent: Fraction) -> Expression:
@@ -162,21 +204,64 @@ def _number_raised(base: Fraction, exponent: Fraction) -> Expression:
     return power(Number(base), exponent)
 
 
+def _raised_form(base: Form, exponent: Fraction, how: str) -> Form:
+    """Return base ^ exponent: b^r + r b^(r−1) B."""
+    value = value_of(base, how)
+    if not base.linear or exponent == 0:
+        return Form(raised(value, exponent))
+    result = _there("value", lambda: raised(value, exponent))
+    slope = _there("derivative", lambda: raised(value, exponent - 1))
+    return Form(result, _scaled(base.linear, _times(Number(exponent), slope)), base.held)
+
+
+def _there(what: str, found: Callable[[], Expression]) -> Expression:
+    """Return the value or derivative of a function at the nominal point, if there is one."""
+    try:
+        return found()
+    except Impossible as error:
+        raise Impossible(
+            f"there is no {what} at the nominal point: {error.message}",
+            "linearise about a point where the expression is smooth",
+        ) from None
+
+
 def exponential(base: Form, exponent: Form) -> Form:
     """Return base ^ exponent: a power for a rational exponent, else exp(exponent·log(base))."""
-    above = constant_of(exponent, "in an exponent")
-    if isinstance(above, Number):
-        if above.value == 1:
-            return base
-        return Form(raised(constant_of(base, "under a power"), above.value))
-    logarithm = applied("log", Form(constant_of(base, "under a power")))
-    return applied("exp", product(Form(above), logarithm))
+    above = value_of(exponent, "in an exponent")
+    if not isinstance(above, Number) or exponent.linear:
+        value_of(base, "under a power")
+        return applied("exp", product(exponent, applied("log", base)))
+    return base if above.value == 1 else _raised_form(base, above.value, "under a power")
 
 
 def applied(function: str, argument: Form) -> Form:
-    """Return an elementary function of the form, which must be free of states."""
-    inner = constant_of(argument, f"inside {function}")
-    known = apply_function(function, inner)
+    """Return an elementary function of the form: f(a) + f'(a) A."""
+    inner = value_of(argument, f"inside {function}")
+    if not argument.linear:
+        return Form(exact(Apply(function, inner)))
+    value = _there("value", lambda: exact(Apply(function, inner)))
+    slope = _there("derivative", lambda: _exactly(derivative_of(function, inner), inner))
+    return Form(value, _scaled(argument.linear, slope), argument.held)
+
+
+def exact(node: Expression) -> Expression:
+    """Return a function or power with its exact value where there is one: cos(0) is 1."""
+    if isinstance(node, Power):
+        return raised(node.base, node.exponent)
+    if not isinstance(node, Apply):
+        return node
+    known = apply_function(node.function, node.argument)
     if isinstance(known, str):
         raise Impossible(known)
-    return Form(known if known is not None else Apply(function, inner))
+    return node if known is None else known
+
+
+def _exactly(root: Expression, inner: Expression) -> Expression:
+    """Return the expression in ``inner`` with exact values."""
+    done: dict[int, Expression] = {id(inner): inner}
+    for node in postorder(root, known={id(inner)}):
+        parts = children(node)
+        settled = tuple(done[id(part)] for part in parts)
+        is_same = all(one is other for one, other in zip(parts, settled, strict=True))
+        done[id(node)] = exact(node if is_same else rebuild(node, settled))
+    return done[id(root)]

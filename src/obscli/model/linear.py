@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from obscli.model.declaration import component_names
 from obscli.model.draft import Draft
 from obscli.model.evaluate import evaluate
-from obscli.model.expression import ONE, Expression, is_zero
+from obscli.model.expression import ONE, ZERO, Expression, is_zero
 from obscli.model.form import Form
 from obscli.model.formula import Formula
 from obscli.model.scope import Scope
@@ -17,12 +17,20 @@ from obscli.model.tokens import is_name
 from obscli.model.trouble import Problems
 
 
-def linear_values(draft: Draft, *, inputs: bool) -> dict[str, Tensor]:
-    """Return the states (and inputs, disturbances) as linear symbols."""
+def linear_values(
+    draft: Draft, *, inputs: bool, nominal: Mapping[str, Expression] | None = None
+) -> dict[str, Tensor]:
+    """Return the states (and inputs, disturbances) as linear symbols.
+
+    Parameters
+    ----------
+    nominal : the values to linearise about, by name; None: where everything has to be linear
+    """
+    held = None if nominal is None else frozenset(nominal)
     groups = [draft.states, draft.inputs, draft.disturbances] if inputs else [draft.states]
     values: dict[str, Tensor] = {}
     for one in (one for group in groups for one in group):
-        parts = {name: Form(linear={name: ONE}) for name in one.components}
+        parts = {name: Form((nominal or {}).get(name, ZERO), {name: ONE}, held) for name in one.components}
         values.update({name: Tensor((), (form,)) for name, form in parts.items()})
         for alias, name in one.aliases():
             values.setdefault(alias, values[name])

@@ -107,11 +107,16 @@ def _row(
 
 
 def linear_rows(
-    formula: Formula, names: SequenceOf[str | None], value: Tensor, problems: Problems
+    formula: Formula, names: SequenceOf[str | None], value: Tensor, problems: Problems, *, local: bool
 ) -> Iterator[Row]:
-    """Yield the rows of a right-hand side; a constant term is refused, a cell without name must be 0."""
+    """Yield the rows of a right-hand side; a cell without name must be 0.
+
+    Parameters
+    ----------
+    local : whether the right-hand side is linearised; a constant term is refused otherwise
+    """
     for k, (name, form) in enumerate(zip(names, value.entries, strict=True)):
-        if not is_zero(form.constant):
+        if not local and not is_zero(form.constant):
             hint = (
                 "a known input or constant does not change what is observable: leave it out, "
                 "or name it under `inputs`"

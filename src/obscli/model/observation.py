@@ -59,7 +59,8 @@ def _measured(draft: Draft, scope: Scope, problems: Problems) -> tuple[Matrix, t
             continue
         shape = () if value.is_scalar else value.shape
         names = component_names(name, shape)
-        found = list(linear_rows(entry.formula, names, value, problems))
+        local = draft.linearize is not None
+        found = list(linear_rows(entry.formula, names, value, problems, local=local))
         rows += found
         vector = name if shape else ""
         outputs += [Output(row.name, row.place, vector, _unit(draft, row.name, name)) for row in found]

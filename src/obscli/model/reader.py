@@ -17,6 +17,7 @@ from obscli.model.experiment import Known, RunDraft, read_experiment, read_plan
 from obscli.model.keys import NOT_YET, Fields, choice_of, fields, text_of
 from obscli.model.meter import MOST_WORK, Meter
 from obscli.model.namespace import check_namespace
+from obscli.model.nominal import check_linearize, read_linearize
 from obscli.model.options import Options, fixes, selected, set_values
 from obscli.model.runs import Elaborated, experiment_of, requirements
 from obscli.model.sections import SYSTEM_KEYS, read_draft
@@ -102,6 +103,9 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     stages = read_stages(_node(given, "stages"), problems)
     _check_format(given, problems)
     check_namespace(draft, problems)
+    draft = replace(draft, linearize=read_linearize(_node(given, "linearize"), problems))
+    if draft.linearize is not None:
+        check_linearize(draft, stages, given["linearize"][0], problems)
     claims = tuple(
         one for origin in ORIGINS for one in read_claims(_node(given, origin), origin, stages, problems)
     )

@@ -16,7 +16,7 @@ ASSUMPTIONS: Final = ("positive", "nonzero", "real")
 STATE_KEYS: Final = ("unit", "description", "latex", "scale")
 SYSTEM_KEYS: Final = (
     "time", "parameters", "functions", "states", "let", "A", "H", "B", "G", "dynamics", "measurements",
-    "inputs", "disturbances", "outputs", "noise", "interval", "quantities",
+    "inputs", "disturbances", "outputs", "noise", "interval", "quantities", "linearize",
 )  # fmt: skip
 STAGE_KEYS: Final = (
     "let", "A", "H", "B", "G", "dynamics", "measurements", "noise", "interval", "outputs", "parameters",
