@@ -44,13 +44,14 @@ class Ground:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Assertion:
-    """One thing a claim says, and how each side judges it."""
+    """One thing a claim says, and how each side judges it; ``witness_decides``: what algebra leaves open."""
 
     text: str
     place: Place
     exact: Callable[[], Exact]
     witness: Callable[[Witness], Testimony]
     basis: tuple[Quantity, ...] | None = None
+    witness_decides: bool = False
 
 
 def check_claims(
@@ -187,7 +188,10 @@ def _assertions(
     if claim.detectable is not None:
         asserted, place = claim.detectable
         text = "detectable" if asserted else "not detectable"
-        yield one(text, place, partial(ExactClaim.detectable, asserted=asserted), _no_witness)
+        structure = judge.analysis.structure if judge else None
+        seen = partial(Witness.detectable, structure=structure, asserted=asserted)
+        exact = partial(ExactClaim.detectable, asserted=asserted)
+        yield replace(one(text, place, exact, seen), witness_decides=True)
     for q in claim.directions:
         exact, seen = (
             partial(ExactClaim.direction, quantity=q),
@@ -198,10 +202,6 @@ def _assertions(
         exact = partial(ExactClaim.state, name=state, verdict=verdict)
         seen = partial(Witness.state, name=state, verdict=verdict)
         yield one(f"{state} is {verdict}", place, exact, seen)
-
-
-def _no_witness(_: Witness) -> Testimony:
-    return Testimony("silent", "")
 
 
 def _verified(basis: tuple[Quantity, ...], ground: Ground, found: CheckResult) -> Verification | None:
@@ -227,6 +227,8 @@ def _judged(one: Assertion, suffix: str, witness: Witness | str) -> CheckResult:
     if testimony.word == "denies" and verdict != "fails":
         start = f"undecided exactly ({reason}); " if verdict == "undecided" else f"{reason}, but "
         verdict, reason = "fails", start + testimony.words
+    elif verdict == "undecided" and testimony.word == "agrees" and one.witness_decides:
+        verdict, reason = "holds", f"not proved, but computed: {testimony.words}"
     elif verdict == "fails" and testimony.word == "agrees":
         reason += f"; at the file's values, {testimony.words}" if not suffix else ""
     elif testimony.words:

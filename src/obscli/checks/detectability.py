@@ -10,11 +10,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
-from obscli.core.number import counted, short
+from obscli.core.number import counted, plain, short
 from obscli.exact.structure_finding import Mode, Structure
+from obscli.numeric.finding import HiddenMotion
 
 
 DetectabilityVerdict: TypeAlias = Literal["observable", "detectable", "not detectable", "undecided"]
+
+#: A window on which hidden errors shrink to this or less says that they die out there.
+SHRUNK: Final = 0.5
 
 #: The scope of what algebra decides.
 ALL_TIMES: Final = "all times"
@@ -31,13 +35,15 @@ class Detectability:
     """A verdict, how far it reaches, and its grounds in words.
 
     ``scope``: ``all times``, ``every period of 6.28``, ``this window, 0 to 600``; ``of``: the structure that
-    it is about. Where a generic verdict depends on parameters it is the one at the file's values.
+    it is about; ``motion``: the hidden motion that was looked at. Where a generic verdict depends on
+    parameters it is the one at the file's values.
     """
 
     verdict: DetectabilityVerdict
     scope: str
     words: str
     of: Structure
+    motion: HiddenMotion | None = None
 
 
 def exact_detectability(structure: Structure) -> Detectability:
@@ -47,6 +53,42 @@ def exact_detectability(structure: Structure) -> Detectability:
         case "observable" | "detectable" | "not detectable":
             return Detectability(there.verdict, ALL_TIMES, structure_words(there), there)
     return Detectability("undecided", ALL_TIMES, structure_words(there), there)
+
+
+def seen_detectability(structure: Structure, motion: HiddenMotion) -> Detectability:
+    """Return what the motion of hidden errors over a period, or on a window, says at the file's values."""
+    if structure.period is not None:
+        scope = f"every period of {short(motion.stop - motion.start, 4)}"
+        verdict, words = _by_multipliers(motion)
+    else:
+        scope = f"this window, {plain(motion.start)} to {plain(motion.stop)}"
+        verdict, words = _by_gains(motion)
+    return Detectability(verdict, scope, words, structure, motion)
+
+
+def _by_multipliers(motion: HiddenMotion) -> tuple[DetectabilityVerdict, str]:
+    """Judge Floquet multipliers: all inside the unit circle, one outside, or not to be told."""
+    largest, error = abs(motion.multipliers[0]), motion.multiplier_error
+    modulus = f"the largest Floquet multiplier has modulus {short(largest, 4)} (error {short(error)})"
+    if largest + error < 1:
+        return "detectable", f"every hidden error dies out; {modulus}"
+    if largest - error > 1:
+        return "not detectable", f"a hidden error grows, and no output shows it; {modulus}"
+    return "undecided", f"{modulus}, which cannot be told from 1"
+
+
+def _by_gains(motion: HiddenMotion) -> tuple[DetectabilityVerdict, str]:
+    """Judge the factors by which hidden errors change on a window (they may change again after it)."""
+    largest = motion.gains[0]
+    error = motion.error * largest
+    factor = f"the largest factor is {short(largest, 4)}"
+    if largest <= SHRUNK:
+        return "detectable", f"every hidden error shrinks; {factor}"
+    if largest + error < 1:
+        return "undecided", f"hidden errors shrink, but the window is too short to say more; {factor}"
+    if largest - error > 1:
+        return "not detectable", f"a hidden error grows, and no output shows it; {factor}"
+    return "not detectable", f"a hidden error keeps its size, and no output shows it; {factor}"
 
 
 def structure_words(structure: Structure) -> str:

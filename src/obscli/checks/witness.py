@@ -13,11 +13,15 @@ from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
+from obscli.checks.detectability import seen_detectability
 from obscli.core.check import Indicator
 from obscli.core.number import counted, short
+from obscli.exact.structure_finding import Structure
 from obscli.model.system import Covector
 from obscli.numeric.analysis import Numeric
 from obscli.numeric.echelon import echelon_curves
+from obscli.numeric.errors import NotComputableError
+from obscli.numeric.hidden_motion import hidden_motion
 from obscli.numeric.leak import Leak, leak_of
 from obscli.numeric.program import Flags
 
@@ -132,6 +136,25 @@ class Witness:
             agree = Indicator(int(self.conclusive.sum()), len(self.conclusive))
             return Testimony("agrees", f"the Gramian agrees {at_instants(agree)}", agree)
         return Testimony("silent", f"the Gramian shows {name} as {found[name]}")
+
+    def detectable(self, structure: Structure | None, *, asserted: bool) -> Testimony:
+        """Say whether hidden errors die out, where algebra leaves it open; a window alone proves nothing."""
+        if structure is None or structure.verdict != "undecided" or not structure.directions:
+            return Testimony("silent", "")
+        horizon, period = self.numeric.horizon, structure.period
+        stop = horizon.stop if period is None else horizon.start + period
+        system = self.numeric.system.system
+        try:
+            motion = hidden_motion(
+                system, structure.directions, horizon.start, stop, period=period is not None
+            )
+        except NotComputableError as error:
+            return Testimony("silent", f"hidden errors cannot be followed: {error}")
+        found = seen_detectability(structure, motion)
+        words = f"{found.verdict} on {found.scope}: {found.words}"
+        if found.verdict == "undecided" or period is None:
+            return Testimony("silent", words)
+        return Testimony("agrees" if asserted == (found.verdict == "detectable") else "denies", words)
 
     @cached_property
     def _states(self) -> Mapping[str, str] | None:

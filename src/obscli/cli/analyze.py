@@ -9,6 +9,7 @@ import typer
 
 from obscli.cli.options import (
     BasisOption,
+    CrossCheckOption,
     DetailsOption,
     FixOption,
     FormatOption,
@@ -61,6 +62,7 @@ def analyze(  # noqa: PLR0913 - one parameter an option
     gramian: GramianOption = "square-root",
     rtol: RtolOption = None,
     scaling: ScalingOption = None,
+    cross_check: CrossCheckOption = False,
     plot: PlotOption = None,
     strict: StrictOption = False,
 ) -> int:
@@ -89,6 +91,7 @@ def analyze(  # noqa: PLR0913 - one parameter an option
         numeric=numeric,
         curves=details or plot is not None,
         relations=details,
+        cross_check=cross_check,
     )
     with refusals(), ProgressLine() as progress:
         report = run(model, request=request, changes=changes, progress=progress)

@@ -210,6 +210,14 @@ PlotOption: TypeAlias = Annotated[
     Path | None,
     typer.Option("--plot", metavar="DIR", help="Draw figures into DIR, as SVG and PNG."),
 ]
+CrossCheckOption: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--cross-check",
+        help="Solve the Riccati equation of the Kalman filter from P0 and 4 P0: where what is hidden dies "
+        "out, both end alike. Needs `noise` in the file.",
+    ),
+]
 StrictOption: TypeAlias = Annotated[
     bool,
     typer.Option("--strict", help="Exit with code 4 where something stays undecided."),

@@ -108,9 +108,10 @@ def _of_proof(proof: Proof) -> Structure:
     if not dimension:
         return Structure(0, "observable")
     try:
-        return _of_kernel(proof)
+        found = _of_kernel(proof)
     except (UndecidedError, JetOverflowError) as error:
-        return Structure(dimension, "undecided", reason=str(error) or "too many derivatives are needed")
+        found = Structure(dimension, "undecided", reason=str(error) or "too many derivatives are needed")
+    return replace(found, directions=tuple(proof.directions.values()))
 
 
 def _of_kernel(proof: Proof) -> Structure:

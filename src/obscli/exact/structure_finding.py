@@ -63,6 +63,7 @@ class Structure:
     critical : the structure on critical conditions, where something is lost
     kalman : dimensions of the four parts of the Kalman decomposition, None without B and G
     inputs : the matrix the reachable subspace is of
+    directions : a basis of the unobservable subspace
     """
 
     dimension: int
@@ -75,3 +76,4 @@ class Structure:
     critical: tuple[OnCondition, ...] = ()
     kalman: tuple[int, int, int, int] | None = None
     inputs: Literal["B", "G"] | None = None
+    directions: tuple[Covector, ...] = ()

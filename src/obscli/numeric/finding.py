@@ -115,3 +115,40 @@ class EchelonFinding:
 
     pivots: tuple[str, ...]
     curves: tuple[CoefficientCurve, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HiddenMotion:
+    """What becomes of the unobservable errors from ``start`` to ``stop``.
+
+    Parameters
+    ----------
+    gains : singular values γ of the transition on the unobservable subspace, the largest first
+    directions : at the start, one for each gain, by state in the file's units
+    error : of the gains, relative to the largest
+    multipliers : eigenvalues of the transition, the largest first: over a period the Floquet multipliers
+    multiplier_error : of the multipliers
+    """
+
+    start: float
+    stop: float
+    gains: tuple[float, ...]
+    directions: tuple[Mapping[str, float], ...]
+    error: float
+    multipliers: tuple[complex, ...]
+    multiplier_error: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CrossCheck:
+    """Deviations by state from P0 and from 4 P0 at some instants, and how far the two are apart.
+
+    ``apart``: the square root of the largest eigenvalue of P₄ − P₁ in units of the prior's deviations, 1 at
+    the start; ``assumed``: states without a prior in the file, taken with the deviation ``scale``, or 1.
+    """
+
+    instants: tuple[float, ...]
+    deviations: Mapping[str, tuple[float, ...]]
+    wider: Mapping[str, tuple[float, ...]]
+    apart: tuple[float, ...]
+    assumed: tuple[str, ...]

@@ -13,8 +13,7 @@ Over one period of A, H and N the eigenvalues of G are the Floquet multipliers o
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -22,6 +21,7 @@ import numpy as np
 from obscli.model.system import Covector, System
 from obscli.numeric.analysis import affordable_steps
 from obscli.numeric.errors import NotComputableError
+from obscli.numeric.finding import HiddenMotion
 from obscli.numeric.numeric_system import NumericSystem, constants_of
 from obscli.numeric.program import EPS, Array, constant_value
 from obscli.numeric.rates import rates_of
@@ -40,28 +40,6 @@ _ROUNDING: Final = 1e-12
 
 #: A residual of the projection beyond this says that the directions are not those of this system.
 _NOT_INVARIANT: Final = 1e-5
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class HiddenMotion:
-    """What becomes of the unobservable errors from ``start`` to ``stop``.
-
-    Parameters
-    ----------
-    gains : singular values γ of the transition on the unobservable subspace, the largest first
-    directions : at the start, one for each gain, by state in the file's units
-    error : of the gains, relative to the largest
-    multipliers : eigenvalues of the transition, the largest first: over a period the Floquet multipliers
-    multiplier_error : of the multipliers
-    """
-
-    start: float
-    stop: float
-    gains: tuple[float, ...]
-    directions: tuple[Mapping[str, float], ...]
-    error: float
-    multipliers: tuple[complex, ...]
-    multiplier_error: float
 
 
 def hidden_motion(

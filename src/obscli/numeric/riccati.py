@@ -15,13 +15,13 @@ M. S. Grewal, A. P. Andrews, Kalman Filtering (2008), 6.5 (square-root filters).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from obscli.model.system import System
 from obscli.numeric.errors import NotComputableError
+from obscli.numeric.finding import CrossCheck
 from obscli.numeric.hidden_motion import transitions, units_of
 from obscli.numeric.noise import NoiseModel, noise_model
 from obscli.numeric.numeric_system import NumericSystem, constants_of
@@ -40,21 +40,6 @@ _WIDER: Final = 4.0
 
 #: How many instants are shown, the first and the last among them.
 _SHOWN: Final = 7
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CrossCheck:
-    """Deviations by state from P0 and from 4 P0 at some instants, and how far the two are apart.
-
-    ``apart``: the square root of the largest eigenvalue of P₄ − P₁ in units of the prior's deviations, 1 at
-    the start; ``assumed``: states without a prior in the file, taken with the deviation ``scale``, or 1.
-    """
-
-    instants: tuple[float, ...]
-    deviations: dict[str, tuple[float, ...]]
-    wider: dict[str, tuple[float, ...]]
-    apart: tuple[float, ...]
-    assumed: tuple[str, ...]
 
 
 def cross_check(system: System, start: float, stop: float) -> CrossCheck:

@@ -13,6 +13,7 @@ from obscli.exact import analysis as engine
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.finding import Analysis, Undecided
 from obscli.model.covector import parse_covectors_file
+from obscli.model.specialise import at_nominal
 from obscli.model.system import Model, System
 from obscli.pipelines.analysis_data import report_data
 from obscli.pipelines.describe.figures import analysis_figures
@@ -80,22 +81,31 @@ def analyze(
             if unfixed is not None and isinstance(finding, Analysis):
                 told("the system before --fix")
                 finding = _with_neglect(finding, unfixed, changes)
-        result = _with_detectability(StageResult(model, system, finding, shown=request.only))
+        result = _with_detectability(StageResult(model, system, finding, shown=request.only), request, told)
         exact_alone = request.only in {"analytic", "structure"}
         results.append(result if exact_alone else _with_gramian(result, request, told))
     return AnalyzeReport(with_other_stages(tuple(results)), changes)
 
 
-def _with_detectability(result: StageResult) -> StageResult:
+def _with_detectability(result: StageResult, request: AnalyzeRequest, progress: Progress) -> StageResult:
+    """Return the result with what becomes of unobservable errors, looked at where algebra leaves it open."""
     structure = result.finding.structure if isinstance(result.finding, Analysis) else None
     if structure is None:
         return result
-    there = structure.at_values
-    return replace(
-        result,
-        detectability=exact_detectability(structure),
-        detectability_there=exact_detectability(there) if there and structure.verdict != "depends" else None,
-    )
+    found = exact_detectability(structure)
+    special = structure.at_values is not None and structure.verdict != "depends"
+    there = exact_detectability(structure.at_values) if structure.at_values and special else None
+    if request.only == "analytic":
+        return replace(result, detectability=found, detectability_there=there)
+    from obscli.pipelines.numerical import cross_checked, looked_at  # noqa: PLC0415 - as below
+
+    system = result.system
+    if there is None:
+        found = looked_at(system, found, request.numeric, progress)
+    else:
+        there = looked_at(at_nominal(system).system(), there, request.numeric, progress)
+    checked = cross_checked(system, request.numeric, progress) if request.cross_check else None
+    return replace(result, detectability=found, detectability_there=there, cross_check=checked)
 
 
 def _with_gramian(result: StageResult, request: AnalyzeRequest, progress: Progress) -> StageResult:

@@ -5,7 +5,10 @@ Importing this costs the floating-point libraries; the pipelines do so only wher
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from obscli.checks.agreement import verify_basis
+from obscli.checks.detectability import Detectability, seen_detectability
 from obscli.checks.guesses import check_guesses
 from obscli.checks.witness import Witness
 from obscli.core.verification import NotVerified, Verification
@@ -19,9 +22,11 @@ from obscli.numeric import analysis as engine
 from obscli.numeric.analysis import Numeric
 from obscli.numeric.echelon import echelon_curves
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
-from obscli.numeric.finding import EchelonFinding, NotComputed
-from obscli.numeric.horizon import Wanted
+from obscli.numeric.finding import CrossCheck, EchelonFinding, NotComputed
+from obscli.numeric.hidden_motion import hidden_motion
+from obscli.numeric.horizon import Wanted, horizon_of
 from obscli.numeric.identify import identified
+from obscli.numeric.riccati import cross_check
 from obscli.numeric.settings import Settings
 from obscli.pipelines.request import NumericRequest, Progress, RequestError, silent
 
@@ -107,6 +112,49 @@ class Looks:
         if isinstance(found, NotComputed):
             raise NotComputableError(found.reason)
         return found
+
+
+def looked_at(
+    system: System, found: Detectability, request: NumericRequest, progress: Progress = silent
+) -> Detectability:
+    """Return the verdict; where algebra left it open, what the motion over a period or window says.
+
+    Raises
+    ------
+    ModelError
+        where an instant is no expression in the names of the system
+    """
+    structure = found.of
+    if found.verdict != "undecided" or not structure.directions or structure.verdict == "depends":
+        return found
+    progress("how hidden errors move")
+    try:
+        horizon = horizon_of(system, settings_of(system, request).wanted)
+        stop = horizon.stop if structure.period is None else horizon.start + structure.period
+        motion = hidden_motion(
+            system, structure.directions, horizon.start, stop, period=structure.period is not None
+        )
+    except NotComputableError as error:
+        return replace(found, words=f"{found.words}, and it cannot be followed: {error}")
+    return seen_detectability(structure, motion)
+
+
+def cross_checked(
+    system: System, request: NumericRequest, progress: Progress = silent
+) -> CrossCheck | NotComputed:
+    """Return the Riccati equation solved from two priors along the interval, or why it cannot be.
+
+    Raises
+    ------
+    ModelError
+        where an instant is no expression in the names of the system
+    """
+    progress("Riccati equation from two priors")
+    try:
+        horizon = horizon_of(system, settings_of(system, request).wanted)
+        return cross_check(system, horizon.start, horizon.stop)
+    except NotComputableError as error:
+        return NotComputed(str(error))
 
 
 def basis_in_time(numeric: Numeric, finding: Analysis | Undecided | None) -> EchelonFinding | None:

@@ -69,7 +69,8 @@ class AnalyzeRequest:
     """How to analyse: stages (empty: all), basis (a path: rows preferred), pivots, critical search.
 
     ``only``: one part alone; ``numeric``: the options of the numerical side; ``curves``: guess the forms of
-    the coefficients also where the numerical side is not alone; ``relations``: find what outputs are made of.
+    the coefficients also where the numerical side is not alone; ``relations``: find what outputs are made of;
+    ``cross_check``: solve the Riccati equation from two priors.
     """
 
     stages: tuple[str, ...] = ()
@@ -80,6 +81,7 @@ class AnalyzeRequest:
     numeric: NumericRequest = NumericRequest()
     curves: bool = False
     relations: bool = False
+    cross_check: bool = False
 
 
 #: The parts of a calibration that can be asked for alone.

@@ -9,7 +9,7 @@ from obscli.core.check import CheckResult
 from obscli.core.verification import NotVerified, Verification
 from obscli.exact.finding import Analysis, Undecided
 from obscli.model.system import Model, System
-from obscli.numeric.finding import EchelonFinding, NotComputed, NumericFinding
+from obscli.numeric.finding import CrossCheck, EchelonFinding, NotComputed, NumericFinding
 from obscli.pipelines.request import Part
 
 
@@ -19,7 +19,7 @@ class StageResult:
 
     ``shown``: the one part the user asked to see, None: all; ``basis``: the numerical basis in time;
     ``detectability``: whether what is unobservable dies out, ``detectability_there``: at the file's values,
-    where more is unobservable.
+    where more is unobservable; ``cross_check``: the Riccati equation from two priors.
     """
 
     model: Model
@@ -31,6 +31,7 @@ class StageResult:
     shown: Part | None = None
     detectability: Detectability | None = None
     detectability_there: Detectability | None = None
+    cross_check: CrossCheck | NotComputed | None = None
 
     @property
     def title(self) -> str:

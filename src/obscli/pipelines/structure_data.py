@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
+from math import inf, log
 from typing import Final
 
 from obscli.checks.detectability import Detectability, time_constant
 from obscli.core.number import json_number
 from obscli.exact.finding import Analysis, StateVerdict
 from obscli.exact.structure_finding import Mode, Structure
+from obscli.numeric.finding import CrossCheck, HiddenMotion, NotComputed
 from obscli.pipelines.certificate_data import covector_to_data
 from obscli.pipelines.relations_data import relations_data
+from obscli.pipelines.stage_result import StageResult
 
 
 #: The situation of a coordinate in the method of unobservable states, by its verdict.
 SITUATIONS: Final[dict[StateVerdict, int]] = {"observable": 1, "coupled": 2, "unobservable": 3}
 
 
-def structure_data(finding: Analysis, found: Detectability, there: Detectability | None) -> dict[str, object]:
+def structure_data(result: StageResult) -> dict[str, object] | None:
     """Return ``{unobservable_dimension, verdict, scope, modes, kalman, situations, condition, …}``.
 
-    ``at_values``: the same at the file's values, where more is unobservable than at generic ones.
+    ``at_values``: the same at the file's values, where more is unobservable than at generic ones. None where
+    the structure was not asked for.
     """
+    finding, found, there = result.finding, result.detectability, result.detectability_there
+    if not isinstance(finding, Analysis) or finding.structure is None or found is None:
+        return None
     structure = finding.structure
-    assert structure is not None
     return {
         **_structure(structure),
         **_verdict(found),
@@ -30,6 +36,7 @@ def structure_data(finding: Analysis, found: Detectability, there: Detectability
         "inputs": structure.inputs,
         "situations": {state: SITUATIONS[verdict] for state, verdict in finding.states.items()},
         "at_values": None if there is None else {**_structure(there.of), **_verdict(there)},
+        "cross_check": cross_check_data(result.cross_check),
         "relations": None if finding.relations is None else relations_data(finding.relations, finding.system),
         "critical": [
             {"where": one.condition, **_structure(one.structure), "verdict": one.structure.verdict}
@@ -47,7 +54,53 @@ def _structure(structure: Structure) -> dict[str, object]:
 
 
 def _verdict(found: Detectability) -> dict[str, object]:
-    return {"verdict": found.verdict, "scope": found.scope, "reason": found.words}
+    return {
+        "verdict": found.verdict,
+        "scope": found.scope,
+        "reason": found.words,
+        "motion": None if found.motion is None else _motion(found.motion),
+    }
+
+
+def _motion(motion: HiddenMotion) -> dict[str, object]:
+    """Return the factors by which hidden errors change over a window, and exponents ln γ/(t1 − t0)."""
+    length = motion.stop - motion.start
+    return {
+        "start": motion.start,
+        "stop": motion.stop,
+        "error": motion.error,
+        "modes": [
+            {
+                "gain": json_number(gain),
+                "exponent": json_number(_exponent(gain, length)),
+                "direction": dict(one),
+            }
+            for gain, one in zip(motion.gains, motion.directions, strict=True)
+        ],
+        "multipliers": [[one.real, one.imag] for one in motion.multipliers],
+        "multiplier_error": json_number(motion.multiplier_error),
+    }
+
+
+def _exponent(gain: float, length: float) -> float:
+    return log(gain) / length if gain else -inf
+
+
+def cross_check_data(found: CrossCheck | NotComputed | None) -> dict[str, object] | None:
+    """Return the deviations from two priors at some instants, and how far apart the covariances are."""
+    match found:
+        case None:
+            return None
+        case NotComputed(reason):
+            return {"reason": reason}
+    return {
+        "t": list(found.instants),
+        "apart": [json_number(one) for one in found.apart],
+        "standard_deviation": {name: list(values) for name, values in found.deviations.items()},
+        "standard_deviation_from_4P0": {name: list(values) for name, values in found.wider.items()},
+        "assumed": list(found.assumed),
+        "reason": "",
+    }
 
 
 def mode_data(mode: Mode) -> dict[str, object]:

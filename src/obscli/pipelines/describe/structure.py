@@ -26,6 +26,7 @@ from obscli.exact.finding import Analysis
 from obscli.exact.structure_finding import Mode, ModeKind, OnCondition, Structure
 from obscli.model.system import System
 from obscli.pipelines.describe.formulas import direction
+from obscli.pipelines.describe.hidden_motion import cross_check_blocks, motion_blocks
 from obscli.pipelines.describe.relations import relation_blocks
 from obscli.pipelines.stage_result import StageResult
 
@@ -64,6 +65,7 @@ def structure_blocks(result: StageResult) -> Iterator[Block]:
     structure, there = finding.structure, result.detectability_there
     yield Heading(2, plain("Structure"))
     yield from mode_blocks(structure, result.system)
+    yield from motion_blocks(found, result.system)
     if structure.verdict == "depends":
         yield VerdictLine("info", plain(f"detectable iff {structure.condition}"))
     yield _verdict_line(found, "" if there is None else "at generic values, ")
@@ -74,8 +76,10 @@ def structure_blocks(result: StageResult) -> Iterator[Block]:
             plain(f"At the file's values, {counted(there.of.dimension, 'direction')} unobservable:")
         )
         yield from mode_blocks(there.of, result.system)
+        yield from motion_blocks(there, result.system)
         yield _verdict_line(there, "at the file's values, ")
         yield from _kalman(there.of)
+    yield from cross_check_blocks(result)
     if finding.relations is not None:
         yield from relation_blocks(finding.relations, result.system)
 
