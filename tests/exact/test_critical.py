@@ -453,3 +453,13 @@ def test_a_missing_value_leaves_the_rank_at_values_open(row):
     found = analyze(row({"a": "1", "b": ""}, "sin(a*t)", "sin(b*t)"))
     assert found.at_values.rank is None
     assert "b" in found.at_values.reason
+
+
+def test_factors_with_long_numbers_are_found(row):
+    """Over Z the binding cannot order factors with coefficients beyond a C int; nobody must notice."""
+    found = analyze(row({"a": "1"}, "(1000000000001*a + 7)*(a + 3)*(a - 123456789012)"))
+    assert {one.condition: one.rank for one in found.critical.values} == {
+        "a = -3": 0,
+        "a = 123456789012": 0,
+        "a = -7/1000000000001": 0,
+    }

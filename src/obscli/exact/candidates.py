@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.interpreter import Interpreter
-from obscli.exact.polynomial import common_factor
+from obscli.exact.polynomial import common_factor, factored
 from obscli.exact.roots import evident_sign, sign_of
 from obscli.model.expression import Expression
 
@@ -48,7 +48,7 @@ def content_candidates(
         content = time_content(exact.field, exact.field.norm(divisor))
         if content.is_constant():
             continue
-        for factor, _ in content.factor()[1]:
+        for factor, _ in factored(content)[1]:
             found.setdefault(str(factor), Candidate(factor, origin))
     return found
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from obscli.exact.field import Element
 from obscli.exact.hurwitz import sign
-from obscli.exact.polynomial import times
+from obscli.exact.polynomial import factored, times
 from obscli.model.expression import Power, Symbol, add, multiply, power
 from obscli.model.notation import to_text
 
@@ -56,10 +56,10 @@ def square_root(proof: Proof, square: Element) -> Expression:
 
 def _root_of(polynomial: Polynomial) -> Polynomial | None:
     """Return a polynomial whose square is the given one, None where there is none."""
-    constant, factors = polynomial.factor()
-    if constant < 0 or isqrt(int(constant)) ** 2 != constant or any(k % 2 for _, k in factors):
+    constant, factors = factored(polynomial)
+    if constant < 0 or isqrt(constant) ** 2 != constant or any(k % 2 for _, k in factors):
         return None
-    root = polynomial.context().constant(isqrt(int(constant)))
+    root = polynomial.context().constant(isqrt(constant))
     for factor, exponent in factors:
         root = times(root, factor ** (exponent // 2))
     return root

@@ -24,7 +24,7 @@ from flint import acb, acb_poly, arb, fmpz_poly
 
 from obscli.exact.ball import BallPoint, OutsideDomainError, precision
 from obscli.exact.field import Element
-from obscli.exact.polynomial import times
+from obscli.exact.polynomial import factored, times
 from obscli.exact.roots import evident_sign, sign_of
 from obscli.model.expression import symbols
 from obscli.model.notation import to_text
@@ -197,7 +197,7 @@ def _rational(q: Sequence[Element]) -> list[int] | None:
 def positive(proof: Proof, element: Element) -> str:
     """Return ``element > 0`` in its simplest form: without squares and without factors of known sign."""
     interpreter = proof.exact.interpreter
-    constant, factors = times(element.num, element.den).factor()
+    constant, factors = factored(times(element.num, element.den))
     flipped = constant < 0
     rest = []
     for factor, exponent in factors:

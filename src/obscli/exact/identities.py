@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.finding import CriticalValue
-from obscli.exact.polynomial import polynomial_coefficients
+from obscli.exact.polynomial import factored, polynomial_coefficients
 from obscli.exact.rerun import rerun
 from obscli.model.expression import ZERO, Expression, divide, negate, number, symbols
 from obscli.model.notation import to_text
@@ -115,7 +115,7 @@ def _factor_trials(
 def _factors(proof: Proof) -> dict[str, Polynomial]:
     found: dict[str, Polynomial] = {}
     for divisor in proof.flag.divisors:
-        for factor, _ in proof.exact.field.norm(divisor).factor()[1]:
+        for factor, _ in factored(proof.exact.field.norm(divisor))[1]:
             found.setdefault(str(factor), factor)
     return found
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from obscli.exact.errors import UndecidedError
+from obscli.exact.polynomial import factored
 from obscli.exact.roots import evident_sign
 from obscli.exact.saturation import rank_at_instant, stays_independent
 from obscli.exact.screen import points_on
@@ -62,7 +63,7 @@ def _factors(proof: Proof) -> list[Polynomial]:
     field = proof.exact.field
     found: dict[str, Polynomial] = {}
     for divisor in proof.flag.divisors:
-        for factor, _ in field.norm(divisor).factor()[1]:
+        for factor, _ in factored(field.norm(divisor))[1]:
             used = [k for k, degree in enumerate(factor.degrees()) if degree > 0]
             kinds = {field.generators[k].kind for k in used}
             if len(factor) > _MOST_TERMS:

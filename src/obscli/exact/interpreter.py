@@ -18,7 +18,7 @@ from obscli.exact.errors import JetOverflowError, UndecidedError
 from obscli.exact.field import Element, Field, Generator
 from obscli.exact.invariants import largest_root, require_one_branch, without_square_root
 from obscli.exact.missing import MissingError, RefineError
-from obscli.exact.polynomial import polynomial_coefficients
+from obscli.exact.polynomial import factored, polynomial_coefficients
 from obscli.exact.primitives import primitive
 from obscli.exact.roots import rational_power
 from obscli.model.expression import (
@@ -216,7 +216,7 @@ class Interpreter:
         if numerator.is_zero():
             return None
         indices = [k for k, g in enumerate(self.field.generators) if g.kind in {"jet", "function"}]
-        factors = [p for p, _ in numerator.factor()[1] if any(p.degrees()[k] > 0 for k in indices)]
+        factors = [p for p, _ in factored(numerator)[1] if any(p.degrees()[k] > 0 for k in indices)]
         if len(factors) > 1:
             raise UndecidedError(
                 f"the invariant {to_text(relation)} is a product; state the factor that vanishes"

@@ -5,9 +5,10 @@ FLINT cannot be interrupted, and ends the process where memory runs out: sizes a
 
 from __future__ import annotations
 
+from math import gcd, lcm
 from typing import TypeAlias
 
-from flint import fmpz, fmpz_mpoly
+from flint import fmpq, fmpq_mpoly_ctx, fmpz, fmpz_mpoly
 
 from obscli.exact.errors import UndecidedError
 
@@ -47,6 +48,33 @@ def require_small(size: int, most: int) -> None:
     """Raise ``UndecidedError`` where a size is over its limit."""
     if size > most:
         raise UndecidedError("the coefficients grew too large for exact algebra")
+
+
+def factored(polynomial: Polynomial) -> tuple[int, list[tuple[Polynomial, int]]]:
+    """Return the content with its sign, and the irreducible factors over Z with their exponents.
+
+    The binding cannot put factors in order over Z where a coefficient is too long for a C int; then it is
+    done over Q.
+    """
+    try:
+        constant, factors = polynomial.factor()
+    except OverflowError:
+        return _factored_over_q(polynomial)
+    return int(constant), [(factor, int(exponent)) for factor, exponent in factors]
+
+
+def _factored_over_q(polynomial: Polynomial) -> tuple[int, list[tuple[Polynomial, int]]]:
+    context = polynomial.context()
+    rational = fmpq_mpoly_ctx.get(context.names(), context.ordering()).from_dict(polynomial.to_dict())
+    constant, factors = rational.factor()
+    found = []
+    for factor, exponent in factors:
+        scale = lcm(*(int(fmpq(c).q) for c in factor.coeffs()))
+        content = gcd(*(int(fmpq(c).p * scale / fmpq(c).q) for c in factor.coeffs()))
+        whole = {e: fmpz(int(fmpq(c).p * scale / fmpq(c).q) // content) for e, c in factor.terms()}
+        found.append((context.from_dict(whole), int(exponent)))
+        constant *= fmpq(content, scale) ** int(exponent)
+    return int(fmpq(constant).p), found
 
 
 def polynomial_coefficients(polynomial: Polynomial, index: int) -> list[Polynomial]:

@@ -19,6 +19,7 @@ from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.field import Element, Generator
 from obscli.exact.missing import MissingError, RefineError
 from obscli.exact.naming import stable_name
+from obscli.exact.polynomial import factored
 from obscli.exact.restore import Restorer
 from obscli.model.expression import Power
 from obscli.model.notation import to_text
@@ -124,8 +125,8 @@ def irreducible_factors(base: Element) -> list[tuple[Polynomial, int]]:
     context = base.num.context()
     result: dict[str, tuple[Polynomial, int]] = {}
     for polynomial, sign in ((base.num, 1), (base.den, -1)):
-        constant, factors = polynomial.factor()
-        numbers = [(context.constant(p), e) for p, e in fmpz(abs(int(constant))).factor()]
+        constant, factors = factored(polynomial)
+        numbers = [(context.constant(p), e) for p, e in fmpz(abs(constant)).factor()]
         if constant < 0:
             numbers.append((context.constant(-1), 1))
         for factor, exponent in [*numbers, *factors]:
@@ -157,7 +158,7 @@ def sign_of(it: Reader, polynomial: Polynomial) -> int | None:
     sign = evident_sign(it, polynomial)
     if sign is not None:
         return sign
-    constant, factors = polynomial.factor()
+    constant, factors = factored(polynomial)
     total = 1 if constant > 0 else -1
     for factor, exponent in factors:
         if exponent % 2:

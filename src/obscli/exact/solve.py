@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from flint import arb, fmpq, fmpz, fmpz_poly
 
-from obscli.exact.polynomial import polynomial_coefficients
+from obscli.exact.polynomial import factored, polynomial_coefficients
 from obscli.exact.restore import Restorer
 from obscli.exact.roots import evident_sign
 from obscli.model.expression import (
@@ -110,10 +110,10 @@ def _solve_parameter(it: Interpreter, polynomial: Polynomial, k: int) -> list[So
 
 def _square_part(polynomial: Polynomial) -> tuple[Polynomial, Polynomial]:
     """Write a polynomial as s² w with w free of squares; the sign of s is of no matter for ±√."""
-    constant, factors = polynomial.factor()
+    constant, factors = factored(polynomial)
     context = polynomial.context()
     outside, inside = context.constant(1), context.constant(-1 if constant < 0 else 1)
-    numbers = [(context.constant(p), e) for p, e in fmpz(abs(int(constant))).factor()]
+    numbers = [(context.constant(p), e) for p, e in fmpz(abs(constant)).factor()]
     for factor, exponent in [*numbers, *factors]:
         outside = outside * factor ** (int(exponent) // 2)
         inside = inside * factor ** (int(exponent) % 2)
@@ -319,8 +319,14 @@ def takes_both_signs(it: Interpreter, polynomial: Polynomial) -> bool:
     """Whether a polynomial in constants is seen to change sign: then its zeros are a real hypersurface.
 
     (An irreducible polynomial has zeros of real codimension one exactly if it changes sign.) Values of
-    parameters and half-angle tangents are free reals, of exponentials and roots positive ones.
+    parameters and half-angle tangents are free reals, of exponentials and roots positive ones. One that is
+    linear in a parameter does.
     """
+    if any(
+        degree == 1 and it.field.generators[k].kind == "parameter"
+        for k, degree in enumerate(polynomial.degrees())
+    ):
+        return True
     source = random.Random(1)  # noqa: S311  (points to try, no secret)
     positive = [g.kind == "exponential" or (g.kind == "root" and g.positive) for g in it.field.generators]
     signs = set()

@@ -18,7 +18,7 @@ from flint import Ordering, fmpz_mpoly_ctx
 from obscli.exact.echelon import polynomial_row, reduced_echelon
 from obscli.exact.field import Element, common_denominator
 from obscli.exact.kernel import kernel_columns
-from obscli.exact.polynomial import polynomial_coefficients, require_small, times
+from obscli.exact.polynomial import factored, polynomial_coefficients, require_small, times
 from obscli.exact.rows import field_row
 
 
@@ -123,7 +123,7 @@ def _factored(field: Field, coefficients: Sequence[Element]) -> list[Factor]:
         for exponents, number in times(c.num, den / c.den).terms():
             terms[*exponents, k] = number
     found = []
-    for factor, multiplicity in ring.from_dict(terms).factor()[1]:
+    for factor, multiplicity in factored(ring.from_dict(terms))[1]:
         if factor.degrees()[-1] > 0:
             parts = [_back(field, part) for part in polynomial_coefficients(factor, len(names))]
             found.append(Factor(tuple(part / parts[-1] for part in parts), multiplicity))
