@@ -272,6 +272,8 @@ CORRUPTED = {
     "oscillator_frequency": ("at: {a: 0}", "at: {a: 1/10}"),
     "rotating_pair": ("basis: [x1]", "basis: [x2]"),
     "two_tones": ("at: {a: -b}", "at: {a: 2*b}"),
+    "markus_yamabe": ("h1: unobservable", "h1: coupled"),
+    "wu": ("h2: unobservable", "h2: observable"),
 }
 
 

@@ -45,6 +45,11 @@ class Detectability:
     of: Structure
     motion: HiddenMotion | None = None
 
+    @property
+    def where(self) -> str:
+        """The scope as it stands in a sentence: ``over every period of 6.28``, ``on this window, 0 to 600``."""
+        return f"{'on' if self.scope.startswith('this') else 'over'} {self.scope}"
+
 
 def exact_detectability(structure: Structure) -> Detectability:
     """Return what algebra says: for generic values, where these decide it, else at the file's values."""

@@ -151,7 +151,7 @@ class Witness:
         except NotComputableError as error:
             return Testimony("silent", f"hidden errors cannot be followed: {error}")
         found = seen_detectability(structure, motion)
-        words = f"{found.verdict} on {found.scope}: {found.words}"
+        words = f"{found.verdict} {found.where}: {found.words}"
         if found.verdict == "undecided" or period is None:
             return Testimony("silent", words)
         return Testimony("agrees" if asserted == (found.verdict == "detectable") else "denies", words)

@@ -94,7 +94,7 @@ def _kalman(structure: Structure) -> Iterator[Block]:
 
 
 def _verdict_line(found: Detectability, where: str) -> VerdictLine:
-    scope = "" if found.scope == ALL_TIMES else f" on {found.scope}"
+    scope = "" if found.scope == ALL_TIMES else f" {found.where}"
     return VerdictLine(
         KINDS.get(found.verdict, "open"), plain(f"{where}{found.verdict}{scope}: {found.words}")
     )
