@@ -103,6 +103,7 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
         prior=prior_deviations(noise, states),
         interval=kept_interval(draft.interval, "interval", known.scope, problems),
         scope=still,
+        fixed=tuple(draft.fix),
     )
 
 

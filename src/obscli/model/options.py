@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -29,6 +29,12 @@ class Options:
     settings: Mapping[str, str]
     outputs: Sequence[str]
     without: Sequence[str]
+    freed: Collection[str] = ()
+
+
+def freed(stage: Draft, options: Options) -> Draft:
+    """Return a stage without the fixes that are to be undone."""
+    return replace(stage, fix={name: entry for name, entry in stage.fix.items() if name not in options.freed})
 
 
 def _assignment(option: str, name: str, text: str) -> tuple[Scalar, Scalar]:

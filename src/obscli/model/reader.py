@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -18,7 +18,7 @@ from obscli.model.keys import NOT_YET, Fields, choice_of, fields, text_of
 from obscli.model.meter import MOST_WORK, Meter
 from obscli.model.namespace import check_namespace
 from obscli.model.nominal import check_linearize, read_linearize
-from obscli.model.options import Options, fixes, selected, set_values
+from obscli.model.options import Options, fixes, freed, selected, set_values
 from obscli.model.runs import Elaborated, experiment_of, requirements
 from obscli.model.sections import SYSTEM_KEYS, read_draft
 from obscli.model.source import Source, checked, read_source
@@ -46,6 +46,7 @@ def load(
     settings: Mapping[str, str] = _NOTHING,
     outputs: Sequence[str] = (),
     without: Sequence[str] = (),
+    freed: Collection[str] = (),
 ) -> Model:
     """Read a model file.
 
@@ -56,13 +57,14 @@ def load(
     settings : nominal values, name of a parameter → expression
     outputs : the outputs kept (names of scalars or vectors); empty: all
     without : states left out
+    freed : names that no stage fixes, whatever the file says
 
     Raises
     ------
     ModelError
         with every problem of the file
     """
-    return _read(read_source(path), Options(fix, settings, outputs, without))
+    return _read(read_source(path), Options(fix, settings, outputs, without, freed))
 
 
 def read_text(
@@ -100,7 +102,9 @@ def _read(source: Source, options: Options) -> Model:
 def _model(root: MappingNode, source: Source, options: Options, problems: Problems) -> Model | None:
     given = fields(root, "", KEYS, problems)
     draft = read_draft(root, "", KEYS, problems)
-    stages = read_stages(_node(given, "stages"), problems)
+    stages = {
+        name: freed(stage, options) for name, stage in read_stages(_node(given, "stages"), problems).items()
+    }
     _check_format(given, problems)
     check_namespace(draft, problems)
     draft = replace(draft, linearize=read_linearize(_node(given, "linearize"), problems))

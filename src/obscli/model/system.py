@@ -164,7 +164,8 @@ class System:
 
     ``prior`` is the initial standard deviation by state, where ``noise`` gives ``P0`` or ``P0_std``.
     ``scope`` holds what the names of the file stand for in this stage, for expressions given later
-    (claims, the command line); None for a system not made from a file.
+    (claims, the command line); None for a system not made from a file. ``fixed``: the names
+    that its stage fixes.
     """
 
     stage: str | None
@@ -186,6 +187,7 @@ class System:
     prior: Mapping[str, Expression] = field(default_factory=dict)
     interval: Interval | None = None
     scope: Scope | None = None
+    fixed: tuple[str, ...] = ()
 
     @property
     def n(self) -> int:

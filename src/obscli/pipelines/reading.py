@@ -10,14 +10,19 @@ from obscli.model.system import Claim, Model, System
 from obscli.pipelines.request import Changes, RequestError
 
 
-def load(path: str | Path, changes: Changes = Changes()) -> Model:  # noqa: B008 - frozen and empty
-    """Read a model file; raises ``ModelError`` with every problem of the file."""
+def load(
+    path: str | Path,
+    changes: Changes = Changes(),  # noqa: B008 - frozen and empty
+    freed: tuple[str, ...] = (),
+) -> Model:
+    """Read a model file, no stage fixing what is ``freed``; raises ``ModelError`` with every problem."""
     return reader.load(
         Path(path),
         fix=changes.fix,
         settings=changes.settings,
         outputs=changes.outputs,
         without=changes.without,
+        freed=freed,
     )
 
 
