@@ -95,3 +95,24 @@ def test_a_hostile_matrix_with_values_takes_no_elimination_for_each_of_them(syst
     monkeypatch.setattr("obscli.exact.prove.eliminate", counted)
     found = analyze(given)
     assert (found.rank, found.at_values.rank) == (8, 1)
+
+
+def test_a_long_number_under_a_root_is_not_factored_for_hours(system):
+    """The product of two primes of 50 digits: undecided at once, not after the age of the universe."""
+    p, q = 10**49 + 9, 10**50 + 151
+    given = system(f"states: [a, b]\nA: zeros(2, 2)\nH: [[1, sqrt({p * q})]]\n")
+    finding = analyze(given)
+    assert isinstance(finding, Undecided)
+    assert "too long to be factored" in finding.reason
+
+
+def test_a_critical_condition_with_a_long_discriminant_is_left_open(system):
+    """s² + s − p q = 0: its roots are not written, and the search goes on."""
+    p, q = 10**49 + 9, 10**50 + 151
+    given = system(
+        f"parameters: {{s: 1, c: 2}}\nstates: [a, b, d]\nA: zeros(3, 3)\n"
+        f"H: [[1, 0, 0], [0, s^2 + s - {p * q}, 0], [0, 0, c]]\n"
+    )
+    critical = analyze(given).critical
+    assert {"c = 0": "confirmed"}.items() <= {one.condition: one.kind for one in critical.values}.items()
+    assert "undecided" in {one.kind for one in critical.values}

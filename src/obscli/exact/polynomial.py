@@ -19,6 +19,9 @@ Polynomial: TypeAlias = fmpz_mpoly
 MOST_TERMS = 20_000
 #: So does a product with more pairs of terms (the bundled models stay under 10 000).
 MOST_PAIRS = 2_000_000
+#: What trial division leaves of a number is factored up to this many bits; that takes a tenth of a second.
+_MOST_BITS = 140
+_TRIALS = 2000
 
 
 def times(a: Polynomial, b: Polynomial) -> Polynomial:
@@ -86,3 +89,19 @@ def polynomial_coefficients(polynomial: Polynomial, index: int) -> list[Polynomi
         parts[exponents[index]][rest] = coefficient
     context = polynomial.context()
     return [context.from_dict(part) for part in parts]
+
+
+def prime_powers(number: int, *, wholly: bool = True) -> list[tuple[int, int]]:
+    """Return the primes of a positive number with their exponents; not ``wholly``: the last may be composite.
+
+    Raises
+    ------
+    UndecidedError : the number is too long to be factored wholly
+    """
+    quickly = [(int(p), int(e)) for p, e in fmpz(number).factor(trial_limit=_TRIALS)]
+    rest = max((p for p, _ in quickly), default=1)
+    if rest.bit_length() <= _MOST_BITS:
+        return [(int(p), int(e)) for p, e in fmpz(number).factor()]
+    if wholly and not fmpz(rest).is_probable_prime():
+        raise UndecidedError("a number under a root is too long to be factored")
+    return quickly

@@ -13,13 +13,11 @@ from fractions import Fraction
 from math import lcm
 from typing import TYPE_CHECKING
 
-from flint import fmpz
-
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.field import Element, Generator
 from obscli.exact.missing import MissingError, RefineError
 from obscli.exact.naming import stable_name
-from obscli.exact.polynomial import factored
+from obscli.exact.polynomial import factored, prime_powers
 from obscli.exact.restore import Restorer
 from obscli.model.expression import Power
 from obscli.model.notation import to_text
@@ -126,7 +124,7 @@ def irreducible_factors(base: Element) -> list[tuple[Polynomial, int]]:
     result: dict[str, tuple[Polynomial, int]] = {}
     for polynomial, sign in ((base.num, 1), (base.den, -1)):
         constant, factors = factored(polynomial)
-        numbers = [(context.constant(p), e) for p, e in fmpz(abs(constant)).factor()]
+        numbers = [(context.constant(p), e) for p, e in prime_powers(abs(constant))]
         if constant < 0:
             numbers.append((context.constant(-1), 1))
         for factor, exponent in [*numbers, *factors]:

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from flint import arb, fmpq, fmpz, fmpz_poly
+from flint import arb, fmpq, fmpz_poly
 
-from obscli.exact.polynomial import factored, polynomial_coefficients
+from obscli.exact.polynomial import factored, polynomial_coefficients, prime_powers
 from obscli.exact.restore import Restorer
 from obscli.exact.roots import evident_sign
 from obscli.model.expression import (
@@ -113,7 +113,7 @@ def _square_part(polynomial: Polynomial) -> tuple[Polynomial, Polynomial]:
     constant, factors = factored(polynomial)
     context = polynomial.context()
     outside, inside = context.constant(1), context.constant(-1 if constant < 0 else 1)
-    numbers = [(context.constant(p), e) for p, e in fmpz(abs(constant)).factor()]
+    numbers = [(context.constant(p), e) for p, e in prime_powers(abs(constant), wholly=False)]
     for factor, exponent in [*numbers, *factors]:
         outside = outside * factor ** (int(exponent) // 2)
         inside = inside * factor ** (int(exponent) % 2)
