@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from obscli.exact.relations_finding import Relations
 from obscli.exact.structure_finding import Structure
 from obscli.model.expression import Expression
 from obscli.model.system import Covector, System
@@ -111,14 +112,32 @@ class CriticalSearch:
     instants: tuple[str, ...]
 
 
+#: What a distance is relative to: the value itself, another parameter of its unit, the fastest other rate.
+Measure: TypeAlias = Literal["value", "unit", "rate"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NearMiss:
+    """A condition that the file's values miss by little, and the rank where it holds."""
+
+    condition: str
+    rank: int
+    distance: float
+    measure: Measure
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class AtValues:
-    """The exact rank at the file's parameter values; ``because``: conditions that explain a difference."""
+    """The exact rank at the file's parameter values; ``because``: conditions that explain a difference.
+
+    ``nearly``: conditions almost met at which the rank is lower still, the nearest first.
+    """
 
     rank: int | None
     because: tuple[str, ...]
     reason: str = ""
     certificate: Certificate | None = None
+    nearly: tuple[NearMiss, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,7 +167,8 @@ class Analysis:
 
     ``groups``: connected components of the graph states × combinations with more than one state.
     ``varying``: what varies in time, as readable text (``sin, cos of omega*t``; functions by name).
-    ``structure``: how the unobservable subspace moves; None where it was not asked for.
+    ``structure``: how the unobservable subspace moves, ``relations``: what the outputs are made of; None: not
+    asked for.
     ``free``: the free state of each unobservable direction: measured, each would remove its direction.
     ``notes``: remarks that belong into the report (relations not stated, upper bound only, …).
     """
@@ -172,6 +192,7 @@ class Analysis:
     free: tuple[str, ...] = ()
     neglect: tuple[Neglect, ...] = ()
     structure: Structure | None = None
+    relations: Relations | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,8 +7,10 @@ otherwise the specialised system is analysed anew.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from obscli.exact.distance import near_misses
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.exact_system import more_jets, read_system
 from obscli.exact.finding import AtValues, CriticalSearch
@@ -30,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def rank_at_values(proof: Proof, critical: CriticalSearch | None) -> AtValues:
-    """Return the proved rank at the nominal values of the parameters."""
+    """Return the proved rank at the nominal values of the parameters, and what they nearly meet."""
     system = proof.exact.system
     missing = [p.name for p in _used(proof) if p.nominal is None]
     if missing:
@@ -38,11 +40,14 @@ def rank_at_values(proof: Proof, critical: CriticalSearch | None) -> AtValues:
     if not _used(proof):
         return AtValues(proof.rank, ())
     try:
-        return _rank(proof, at_nominal(system).system(), critical)
+        found = _rank(proof, at_nominal(system).system(), critical)
     except UndefinedError as error:
         return AtValues(None, (), f"at the file's values a coefficient does not exist: {error}")
     except UndecidedError as error:
         return AtValues(None, (), str(error))
+    if critical is None or found.rank is None:
+        return found
+    return replace(found, nearly=near_misses(proof, critical, found.rank))
 
 
 def _used(proof: Proof) -> list[Parameter]:

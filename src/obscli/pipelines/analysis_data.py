@@ -3,17 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Protocol
 
+from obscli.core.number import json_number
 from obscli.core.version import SCHEMA, VERSION
-from obscli.exact.finding import Analysis, Certificate, Combination, CriticalValue, Neglect, Undecided
+from obscli.exact.finding import (
+    Analysis,
+    Certificate,
+    Combination,
+    CriticalValue,
+    NearMiss,
+    Neglect,
+    Undecided,
+)
 from obscli.model.notation import covector_latex, covector_text
-from obscli.model.system import Covector, System
+from obscli.model.system import Covector, Model, System
 from obscli.pipelines.certificate_data import certificate_to_data, covector_to_data
 from obscli.pipelines.latex_names import latex_names
 from obscli.pipelines.numeric_data import basis_data, numeric_data, verification_data
 from obscli.pipelines.request import Changes
 from obscli.pipelines.stage_result import StageResult
 from obscli.pipelines.structure_data import structure_data
+
+
+class OfStage(Protocol):
+    """Whatever is about one stage of a model."""
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+
+    @property
+    def system(self) -> System:
+        """The stage."""
 
 
 def report_data(results: Iterable[StageResult], changes: Changes) -> dict[str, object]:
@@ -26,7 +48,7 @@ def report_data(results: Iterable[StageResult], changes: Changes) -> dict[str, o
     }
 
 
-def model_data(result: StageResult) -> dict[str, object]:
+def model_data(result: OfStage) -> dict[str, object]:
     """Return which stage of which model a result is about."""
     return {"name": result.model.name, "file": str(result.model.file), "stage": result.system.stage}
 
@@ -40,17 +62,11 @@ def _stage_data(result: StageResult) -> dict[str, object]:
         "m": system.m,
         "states": list(system.state_names),
         "analytic": _exact_data(finding),
-        "structure": _structure_data(result),
+        "structure": structure_data(result),
         "numeric": numeric_data(result.numeric),
         "numeric_basis": basis_data(result.basis),
         "verification": verification_data(result.verification),
     }
-
-
-def _structure_data(result: StageResult) -> dict[str, object] | None:
-    if not isinstance(result.finding, Analysis) or result.detectability is None:
-        return None
-    return structure_data(result.finding, result.detectability, result.detectability_there)
 
 
 def _exact_data(finding: Analysis | Undecided | None) -> dict[str, object] | None:
@@ -74,6 +90,7 @@ def _analysis_data(finding: Analysis) -> dict[str, object]:
             "because": list(finding.at_values.because),
             "reason": finding.at_values.reason,
             "certificate": _certificate(finding.at_values.certificate),
+            "nearly": [_near_miss(one) for one in finding.at_values.nearly],
         },
         "frozen_rank": finding.frozen_rank,
         "combinations": [_combination(one, system) for one in finding.combinations],
@@ -100,7 +117,13 @@ def _undecided_data(finding: Undecided) -> dict[str, object]:
     return {
         "rank": None,
         "order": None,
-        "at_values": {"rank": None, "because": [], "reason": finding.reason, "certificate": None},
+        "at_values": {
+            "rank": None,
+            "because": [],
+            "reason": finding.reason,
+            "certificate": None,
+            "nearly": [],
+        },
         "frozen_rank": None,
         "combinations": [],
         "unobservable": [],
@@ -141,6 +164,16 @@ def combination_data(covector: Covector, system: System) -> dict[str, object]:
 
 def _certificate(certificate: Certificate | None) -> dict[str, object] | None:
     return None if certificate is None else certificate_to_data(certificate)
+
+
+def _near_miss(one: NearMiss) -> dict[str, object]:
+    """Return a condition that is nearly met; ``relative_to``: the value, a ``unit``, or a ``rate``."""
+    return {
+        "condition": one.condition,
+        "rank": one.rank,
+        "distance": json_number(one.distance),
+        "relative_to": one.measure,
+    }
 
 
 def _critical_data(finding: Analysis) -> dict[str, object]:

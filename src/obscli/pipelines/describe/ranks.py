@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Final
 
 from obscli.core.document import Block, Column, Inline, Note, Table, Text, VerdictLine, plain
-from obscli.exact.finding import Analysis
+from obscli.core.number import short
+from obscli.exact.finding import Analysis, AtValues, Measure, NearMiss
 
 
 COLUMNS = (Column(), Column(align="right"), Column(breaks=True))
+MEASURES: Final[dict[Measure, str]] = {
+    "value": "its value",
+    "unit": "the largest value of the same unit",
+    "rate": "the fastest other rate",
+}
 
 
 def rank_blocks(finding: Analysis) -> Iterator[Block]:
@@ -37,13 +44,28 @@ def _at_values(finding: Analysis) -> tuple[Inline, ...]:
     if at.rank is None:
         return label, plain("?"), plain(at.reason or "not computed")
     grounds = ", ".join(at.because) or at.reason
+    nearly = _nearly(at)
     if at.rank == finding.rank:
-        return label, plain(str(at.rank)), plain(f"the same{': ' + grounds if grounds else ''}")
+        same = f"the same{': ' + grounds if grounds else ''}"
+        return label, plain(str(at.rank)), (Text(same), *nearly)
     return (
         label,
         (Text(str(at.rank), "strong"),),
-        (Text("because ", "open"), Text(grounds or "of these values")),
+        (Text("because ", "open"), Text(grounds or "of these values"), *nearly),
     )
+
+
+def _nearly(at: AtValues) -> Inline:
+    """Say which conditions the values miss by little, those of one rank together."""
+    content: list[Text] = []
+    for rank in sorted({one.rank for one in at.nearly}):
+        missed = ", ".join(_missed(one) for one in at.nearly if one.rank == rank)
+        content += [Text(f"; nearly {rank}: ", "open"), Text(missed)]
+    return tuple(content)
+
+
+def _missed(one: NearMiss) -> str:
+    return f"{one.condition} is missed by {short(one.distance)} of {MEASURES[one.measure]}"
 
 
 def _frozen(finding: Analysis) -> tuple[Inline, ...]:
