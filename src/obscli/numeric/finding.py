@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from obscli.model.expression import Expression
 from obscli.model.system import System
@@ -151,4 +151,27 @@ class CrossCheck:
     deviations: Mapping[str, tuple[float, ...]]
     wider: Mapping[str, tuple[float, ...]]
     apart: tuple[float, ...]
+    assumed: tuple[str, ...]
+
+
+#: What limits a deviation: driving noise, noise of the outputs, the prior, or none of them alone.
+Floor: TypeAlias = Literal["Q", "R", "P0", "none"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Knowledge:
+    """How well a linear form in the states is known before and after an interval.
+
+    ``partners``: states whose errors go with its own at the end, with the correlation; ``floor``: what limits
+    it, ``without``: the deviation relative to the present one without driving noise, with a hundredth of R,
+    of P0; ``assumed``: states without a prior in the file.
+    """
+
+    before: float
+    after: float
+    start: float
+    stop: float
+    partners: tuple[tuple[str, float], ...]
+    floor: Floor
+    without: Mapping[Floor, float]
     assumed: tuple[str, ...]

@@ -52,10 +52,10 @@ def cross_check(system: System, start: float, stop: float) -> CrossCheck:
     """
     numeric = NumericSystem(system, start, stop)
     noise = noise_model(numeric)
-    instants, step = _samples(system, start, stop)
-    P0, assumed = _prior(system, noise)
+    instants, step = samples_of(system, start, stop)
+    P0, assumed = prior_of(system, noise)
     first: Array = np.asarray(np.linalg.cholesky(P0), dtype=float)
-    found = [_covariances(noise, start, instants, step, factor * first) for factor in (1.0, _WIDER**0.5)]
+    found = [covariances(noise, start, instants, step, factor * first) for factor in (1.0, _WIDER**0.5)]
     units = np.sqrt(np.diag(P0))
     times = np.concatenate([[start], instants])
     shown = np.unique(np.round(np.linspace(0, len(instants), _SHOWN)).astype(int))
@@ -69,7 +69,7 @@ def cross_check(system: System, start: float, stop: float) -> CrossCheck:
     )
 
 
-def _samples(system: System, start: float, stop: float) -> tuple[Array, float]:
+def samples_of(system: System, start: float, stop: float) -> tuple[Array, float]:
     """Return the instants after the start at which outputs are taken, and the time between them."""
     noise = system.noise
     given = noise.step if noise else None
@@ -83,7 +83,7 @@ def _samples(system: System, start: float, stop: float) -> tuple[Array, float]:
     return instants, step
 
 
-def _prior(system: System, noise: NoiseModel) -> tuple[Array, tuple[str, ...]]:
+def prior_of(system: System, noise: NoiseModel) -> tuple[Array, tuple[str, ...]]:
     """Return P0 with the units of the states where the file gives no prior, and the names of these."""
     P0: Array = noise.P0.copy()
     missing = np.diag(P0) == 0
@@ -92,7 +92,7 @@ def _prior(system: System, noise: NoiseModel) -> tuple[Array, tuple[str, ...]]:
     return P0, tuple(name for name, absent in names if absent)
 
 
-def _covariances(noise: NoiseModel, start: float, instants: Array, step: float, root: Array) -> list[Array]:
+def covariances(noise: NoiseModel, start: float, instants: Array, step: float, root: Array) -> list[Array]:
     """Return P at the start, after its sample, and after each of the samples."""
     system = noise.system
     outputs = system.matrices(np.concatenate([[start], instants]))[1]

@@ -22,10 +22,11 @@ from obscli.numeric import analysis as engine
 from obscli.numeric.analysis import Numeric
 from obscli.numeric.echelon import echelon_curves
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
-from obscli.numeric.finding import CrossCheck, EchelonFinding, NotComputed
+from obscli.numeric.finding import CrossCheck, EchelonFinding, Knowledge, NotComputed
 from obscli.numeric.hidden_motion import hidden_motion
 from obscli.numeric.horizon import Wanted, horizon_of
 from obscli.numeric.identify import identified
+from obscli.numeric.partners import knowledge
 from obscli.numeric.riccati import cross_check
 from obscli.numeric.settings import Settings
 from obscli.pipelines.request import NumericRequest, Progress, RequestError, silent
@@ -153,6 +154,21 @@ def cross_checked(
     try:
         horizon = horizon_of(system, settings_of(system, request).wanted)
         return cross_check(system, horizon.start, horizon.stop)
+    except NotComputableError as error:
+        return NotComputed(str(error))
+
+
+def known(system: System, target: Covector, request: NumericRequest) -> Knowledge | NotComputed:
+    """Return how well a linear form in the states is known at the end of the interval, or why not.
+
+    Raises
+    ------
+    ModelError
+        where an instant is no expression in the names of the system
+    """
+    try:
+        horizon = horizon_of(system, settings_of(system, request).wanted)
+        return knowledge(system, target, horizon.start, horizon.stop)
     except NotComputableError as error:
         return NotComputed(str(error))
 
