@@ -25,8 +25,8 @@ ALL_TIMES: Final = "all times"
 
 
 _PERSISTING: Final = (
-    ("growing", ("grows", "grow"), "by itself"),
-    ("neutral", ("stays", "stay"), "as it is"),
+    ("growing", "grows by itself", "grow by themselves"),
+    ("neutral", "stays as it is", "stay as they are"),
 )
 
 
@@ -117,10 +117,10 @@ def _slowest(modes: tuple[Mode, ...]) -> str:
 
 def _persisting(structure: Structure) -> str:
     """Say which hidden error does not die out, the worst first."""
-    for kind, verbs, how in _PERSISTING:
+    for kind, *verbs in _PERSISTING:
         modes = [mode for mode in structure.modes if mode.kind == kind]
         if modes:
-            hidden = f"{counted(len(modes), 'hidden direction')} {verbs[len(modes) > 1]} {how}"
+            hidden = f"{counted(len(modes), 'hidden direction')} {verbs[len(modes) > 1]}"
             return f"{hidden} (eigenvalue {_eigenvalues(modes)}), and no output shows it"
     return structure.reason or f"what is hidden never dies out (eigenvalue {_eigenvalues(structure.modes)})"
 

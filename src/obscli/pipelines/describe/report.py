@@ -51,7 +51,8 @@ def report_document(results: Iterable[StageResult]) -> Document:
     """Return the report on the stages of one model."""
     results = tuple(results)
     blocks = [block for result in results for block in _stage_blocks(result, first=result is results[0])]
-    return Document((*_explained_once(blocks), *stage_table_blocks(results)))
+    table = () if any(result.shown == "structure" for result in results) else stage_table_blocks(results)
+    return Document((*_explained_once(blocks), *table))
 
 
 def _stage_blocks(result: StageResult, *, first: bool) -> Iterable[Block]:
