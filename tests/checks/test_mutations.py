@@ -71,7 +71,8 @@ def _mutations(rows, system, source):
         yield "term dropped", [*rows[:j], rest, *rows[j + 1 :]], j
     other = source.choice([name for name in system.state_names if name not in rows[k]] or [None])
     if other:
-        yield "term added", [*rows[:k], {**rows[k], other: number(1)}, *rows[k + 1 :]], k
+        size = next(iter(rows[k].values()))  # a row may be scaled by numbers beyond which 1 is rounding
+        yield "term added", [*rows[:k], {**rows[k], other: size}, *rows[k + 1 :]], k
     yield "row dropped", [*rows[:k], *rows[k + 1 :]], None
     yield "row added", [*rows, {source.choice(system.state_names): number(1)}], None
     yield "row doubled", [*rows, rows[k]], None

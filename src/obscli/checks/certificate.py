@@ -18,6 +18,7 @@ from obscli.exact.ball import BallPoint, OutsideDomainError, precision, random_p
 from obscli.exact.determinant import determinant
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.exact_system import ExactSystem, Row, more_jets, read_system
+from obscli.exact.few_rows import most_rows
 from obscli.exact.field import Element
 from obscli.exact.finding import Certificate
 from obscli.exact.identity import fingerprint, independent_constants
@@ -144,7 +145,7 @@ def _check_order(exact: ExactSystem, certificate: Certificate) -> None:
         _require(delay is None, "order 0 needs no delayed direction")
         return
     if delay is None:
-        few = certificate.order * exact.system.m < certificate.rank
+        few = most_rows(exact, certificate.order - 1) < certificate.rank
         _require(few, "the direction that shows the order is missing")
         return
     direction: Row = _row(exact, delay)

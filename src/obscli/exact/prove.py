@@ -15,6 +15,7 @@ from obscli.exact.echelon import PolyRow
 from obscli.exact.elimination import Flag, eliminate, everything
 from obscli.exact.errors import JetOverflowError, UndecidedError
 from obscli.exact.exact_system import ExactSystem, more_jets, read_system
+from obscli.exact.few_rows import most_rows
 from obscli.exact.field import Element
 from obscli.exact.finding import Certificate, LowerBound, UpperBound
 from obscli.exact.identity import fingerprint, independent_constants
@@ -110,13 +111,13 @@ def _prove(exact: ExactSystem, columns: Sequence[int]) -> Proof:
 def _flag(exact: ExactSystem, saturation: Saturation, columns: Sequence[int]) -> Flag:
     """Return the reduced echelon form; of full rank, it is known without the elimination.
 
-    That is taken where the elimination is too much, and the order needs no proof: fewer derivatives would
-    give fewer rows than states.
+    That is taken where the elimination is too much, and the order is evident: fewer derivatives give fewer
+    rows than states.
     """
     try:
         return eliminate(exact, saturation, columns)
     except UndecidedError:
-        if saturation.rank < exact.n or saturation.order * len(exact.H) >= exact.n:
+        if saturation.rank < exact.n or most_rows(exact, saturation.order - 1) >= exact.n:
             raise
         return everything(exact)
 

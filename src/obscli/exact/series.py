@@ -1,7 +1,8 @@
 """Power series of the generators at a random point modulo a prime: the fast screen of the exact side.
 
 Values modulo p prove independence (a minor that is nonzero modulo p is nonzero), never dependence.
-p is a safe prime, p = 2q + 1 with p = 3 (mod 4): square roots are powers, odd roots are unique.
+p is a safe prime, p = 2q + 1 with p = 3 (mod 4): square roots are powers, odd roots are unique. All primes up
+to 101 are squares modulo p, so that the roots of numbers made of them exist, √13 as well as √0.97.
 A generator with g' = F(g) gets its series term by term from the series of F.
 """
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
     from obscli.exact.polynomial import Polynomial
 
-PRIME = 2305843009213690799
+PRIME = 2046178031645777039
 _ATTEMPTS = 40
 
 
