@@ -47,7 +47,7 @@ class Detectability:
 
     @property
     def where(self) -> str:
-        """The scope as it stands in a sentence: ``over every period of 6.28``, ``on this window, 0 to 600``."""
+        """The scope in a sentence: ``over every period of 6.28``, ``on this window, 0 to 600``."""
         return f"{'on' if self.scope.startswith('this') else 'over'} {self.scope}"
 
 
