@@ -26,8 +26,8 @@ chi        ()          indicator of an analytic result against W: max |xi . eta|
 A combination is *constant* where xi' + xi A = 0. A state is *observable* where it is itself a combination,
 *coupled* where it enters one, *unobservable* where it enters none.
 
-Public interface: ``load``, ``analyze``, ``verify``, ``calibrate``, ``plan``, ``ModelError``; see
-``obscli.api``.
+Public interface: ``load``, ``analyze``, ``verify``, ``calibrate``, ``plan``, ``transform``,
+``ModelError``; see ``obscli.api``.
 
 References
 ----------
@@ -49,15 +49,23 @@ if TYPE_CHECKING:
         AnalyzeReport,
         CalibrateReport,
         PlanReport,
+        TransformReport,
         VerifyReport,
         analyze,
         calibrate,
         load,
         plan,
+        transform,
         verify,
     )
     from obscli.core.place import ModelError
-    from obscli.pipelines.request import AnalyzeRequest, CalibrateRequest, Changes, PlanRequest
+    from obscli.pipelines.request import (
+        AnalyzeRequest,
+        CalibrateRequest,
+        Changes,
+        PlanRequest,
+        TransformRequest,
+    )
 
 
 __version__ = VERSION
@@ -71,12 +79,15 @@ __all__ = [
     "ModelError",
     "PlanReport",
     "PlanRequest",
+    "TransformReport",
+    "TransformRequest",
     "VerifyReport",
     "__version__",
     "analyze",
     "calibrate",
     "load",
     "plan",
+    "transform",
     "verify",
 ]
 
@@ -90,11 +101,14 @@ _HOMES = {
     "ModelError": "obscli.core.place",
     "PlanReport": "obscli.api",
     "PlanRequest": "obscli.pipelines.request",
+    "TransformReport": "obscli.api",
+    "TransformRequest": "obscli.pipelines.request",
     "VerifyReport": "obscli.api",
     "analyze": "obscli.api",
     "calibrate": "obscli.api",
     "load": "obscli.api",
     "plan": "obscli.api",
+    "transform": "obscli.api",
     "verify": "obscli.api",
 }
 

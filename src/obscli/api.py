@@ -18,6 +18,7 @@ from obscli.model.system import Model
 from obscli.pipelines import analyze as analyze_pipeline
 from obscli.pipelines import calibrate as calibrate_pipeline
 from obscli.pipelines import plan_report, verify_report
+from obscli.pipelines import transform as transform_pipeline
 from obscli.pipelines.reading import load as load_changed
 from obscli.pipelines.request import (
     AnalyzeRequest,
@@ -26,6 +27,7 @@ from obscli.pipelines.request import (
     NumericRequest,
     PlanRequest,
     Progress,
+    TransformRequest,
     silent,
 )
 from obscli.render.format import Surface
@@ -63,6 +65,11 @@ class CalibrateReport(calibrate_pipeline.CalibrateReport, Shown):
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanReport(plan_report.PlanReport, Shown):
     """What ``plan`` chose: ``results`` with ``plan``, ``accuracy``; ``document()``; ``data()``."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TransformReport(transform_pipeline.TransformReport, Shown):
+    """What ``transform`` made: ``results``, one a stage, each with ``finding``; ``text``: the model file."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,6 +172,26 @@ def plan(
 
     found = plan_pipeline.plan(_read(model, changes), request, changes, progress)
     return PlanReport(found.results, found.changes)
+
+
+def transform(
+    model: Source,
+    *,
+    request: TransformRequest = TransformRequest(),  # noqa: B008 - frozen and empty
+    changes: Changes = Changes(),  # noqa: B008 - frozen and empty
+    progress: Progress = silent,
+) -> TransformReport:
+    """Make a model of the observable combinations, of the Kalman decomposition, or without some states.
+
+    Parameters
+    ----------
+    model : a model file, or a model read before (then ``changes`` must be empty)
+    request : what to make of which stages
+    changes : changes to make while reading
+    progress : told what is being done
+    """
+    found = transform_pipeline.transform(_read(model, changes), request, changes, progress)
+    return TransformReport(found.results, found.changes)
 
 
 def _read(model: Source, changes: Changes) -> Model:

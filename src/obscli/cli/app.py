@@ -10,6 +10,7 @@ from obscli.cli.analyze import analyze
 from obscli.cli.calibrate import calibrate
 from obscli.cli.model import model_app
 from obscli.cli.plan import plan
+from obscli.cli.transform import transform
 from obscli.cli.verify import verify
 
 
@@ -29,6 +30,7 @@ app.command("analyze")(analyze)
 app.command("verify")(verify)
 app.command("calibrate")(calibrate)
 app.command("plan")(plan)
+app.command("transform")(transform)
 app.add_typer(model_app, name="model")
 
 

@@ -13,6 +13,8 @@ from obscli.render.formats import FORMATS
 FORMAT_NAMES: Final = tuple(one.name for one in FORMATS)
 ONLY: Final = ("analytic", "numeric", "verify", "structure")
 METHODS: Final = ("square-root", "lyapunov", "quadrature")
+TARGETS: Final = ("observable", "kalman")
+BASES: Final = ("echelon", "sparse")
 SCALINGS: Final = ("automatic", "scale", "prior", "none")
 
 
@@ -36,6 +38,14 @@ def _known_pipeline(given: str | None) -> str | None:
 
 def _known_part(given: str | None) -> str | None:
     return None if given is None else _one_of(("analytic",), given)
+
+
+def _known_target(given: str | None) -> str | None:
+    return None if given is None else _one_of(TARGETS, given)
+
+
+def _known_basis(given: str) -> str:
+    return _one_of(BASES, given)
 
 
 def _known_method(given: str) -> str:
@@ -105,6 +115,51 @@ PivotOption: TypeAlias = Annotated[
 NoCriticalOption: TypeAlias = Annotated[
     bool,
     typer.Option("--no-critical", help="Do not search for parameter values at which the rank drops."),
+]
+TargetOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--to",
+        callback=_known_target,
+        metavar="|".join(TARGETS),
+        help="The observable combinations as states, or the coordinates in which what outputs see and inputs "
+        "reach stands apart.",
+    ),
+]
+DropOption: TypeAlias = Annotated[
+    bool,
+    typer.Option("--drop", help="Instead: leave out the states that cannot be estimated, as if zero."),
+]
+MadeOption: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(
+        "-o",
+        "--output",
+        metavar="FILE",
+        help="Write the model made to FILE (YAML); the report goes to standard output all the same.",
+    ),
+]
+FixBeforeOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--fix",
+        metavar="NAME=EXPRESSION",
+        help="Substitute exactly before, e.g. omega_ie=0 to neglect a small term (repeatable).",
+    ),
+]
+EquationsOption: TypeAlias = Annotated[
+    bool,
+    typer.Option("--details", help="Show the equations also where no state is new."),
+]
+FormBasisOption: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        "--basis",
+        callback=_known_basis,
+        metavar="|".join(BASES),
+        help="Form of the observable combinations: reduced echelon in the order of the states, or as few "
+        "states in each as possible.",
+    ),
 ]
 DetailsOption: TypeAlias = Annotated[
     bool,

@@ -8,25 +8,33 @@ for the variables all of whose states have a prior; where that depends on time a
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.exact_system import ExactSystem, read_system
 from obscli.exact.field import Element
 from obscli.exact.hidden_dynamics import is_constant
 from obscli.exact.kalman_parts import combined
-from obscli.exact.reduced import Coordinates, Rows, written
-from obscli.exact.restore import Restorer
+from obscli.exact.reduced import Coordinates, Rows
 from obscli.exact.rows import dot
-from obscli.model.expression import Expression, is_zero
+from obscli.model.expression import Expression, add, is_zero, multiply, power
 from obscli.model.system import Matrix, Noise, System
 from obscli.model.variables import free_name
+from obscli.model.written import expanded_size
 
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from obscli.exact.exact_system import Row
+
+#: Variances of more parts than this are no use to a reader, and slow to read back.
+_LONGEST: Final = 500
+_TOO_LONG: Final = "the initial covariance is left out: S P0 S^T would be too long to read"
+#: A file gives a full covariance of all states or of none.
+_PARTLY: Final = (
+    "the initial covariance is left out: it is known for some of the new variables only, which are correlated"
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,6 +72,11 @@ def matrix_of(rows: Rows, columns: int) -> Matrix:
     )
 
 
+def _term(left: Expression, middle: Expression, right: Expression) -> Expression:
+    """Return s P s'."""
+    return multiply(power(left, 2), middle) if left is right else multiply(left, middle, right)
+
+
 class _Carry:
     def __init__(self, coordinates: Coordinates, noise: Noise, names: Sequence[str]) -> None:
         self.noise, self.names, self.forms = noise, names, coordinates.forms
@@ -72,7 +85,6 @@ class _Carry:
         extra += [e for matrix in (noise.Q, noise.P0) if matrix for e in matrix.entries.values()]
         self.exact: ExactSystem = read_system(self.system, extra)
         self.S = [self.exact.row(form) for form in self.forms]
-        self.restorer = Restorer(self.exact.interpreter)
 
     # -- the initial covariance
 
@@ -82,13 +94,19 @@ class _Carry:
         if given is None:
             return None, ()
         known = {i for i, j in given.entries if i == j}
-        covariance = self._congruent(given, [k for k, row in enumerate(self.S) if row.keys() <= known])
+        chosen = [k for k, row in enumerate(self.S) if row.keys() <= known]
+        longest = self._product_of(given, [(k, k) for k in chosen]).entries.values()
+        if max(map(expanded_size, longest), default=0) > _LONGEST:
+            return None, (_TOO_LONG,)
+        covariance = self._congruent(given, chosen)
         varying = {i for (i, j), e in covariance.items() if not is_constant(self.exact.field, {0: e})}
         kept = {(i, j): e for (i, j), e in covariance.items() if not {i, j} & varying}
         left_out = ", ".join(self.names[k] for k in sorted(varying))
         notes = (f"the initial covariance of {left_out} depends on time and is left out",) if varying else ()
         size = len(self.S)
-        return Matrix(size, size, {key: written(self.restorer, e) for key, e in kept.items()}), notes
+        if any(i != j for i, j in kept) and sum(i == j for i, j in kept) < size:
+            return None, (*notes, _PARTLY)
+        return self._product_of(given, kept), notes
 
     def _congruent(self, matrix: Matrix, rows: Iterable[int]) -> dict[tuple[int, int], Element]:
         """Return the entries of S P Sᵀ in some rows and columns: the diagonal, and what is not zero."""
@@ -97,6 +115,20 @@ class _Carry:
         moved = {k: combined(field, ((e, P[j]) for j, e in self.S[k].items())) for k in chosen}
         entries = {(k, m): dot(field, moved[k], self.S[m]) for k in chosen for m in chosen}
         return {(k, m): entry for (k, m), entry in entries.items() if entry or k == m}
+
+    def _product_of(self, matrix: Matrix, places: Iterable[tuple[int, int]]) -> Matrix:
+        """Return entries of S P Sᵀ as they come of the products: multiplied out they would be long."""
+        found: dict[tuple[int, int], Expression] = {}
+        names = self.system.state_names
+        for k, m in places:
+            left, right = self.forms[k], self.forms[m]
+            terms = [
+                _term(left[names[i]], entry, right[names[j]])
+                for (i, j), entry in matrix.entries.items()
+                if names[i] in left and names[j] in right
+            ]
+            found[k, m] = add(*terms)
+        return Matrix(len(self.forms), len(self.forms), found)
 
     def _rows(self, matrix: Matrix) -> list[Row]:
         rows: list[dict[int, Element]] = [{} for _ in range(matrix.rows)]
@@ -112,8 +144,8 @@ class _Carry:
         size = len(self.S)
         entries = self._congruent(self.noise.Q, range(size))
         if all(i == j and is_constant(self.exact.field, {0: e}) for (i, j), e in entries.items()):
-            kept = {key: written(self.restorer, e) for key, e in entries.items() if e}
-            return CarriedNoise(replace(self.noise, Q=Matrix(size, size, kept)), None, ())
+            kept = self._product_of(self.noise.Q, [key for key, entry in entries.items() if entry])
+            return CarriedNoise(replace(self.noise, Q=kept), None, ())
         return self._entering(self.noise.Q)
 
     def _entering(self, Q: Matrix) -> CarriedNoise:

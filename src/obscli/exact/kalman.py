@@ -19,17 +19,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from obscli.exact.echelon import polynomial_row
-from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.kalman_parts import columns_of, combined, four_parts, inverse_rows, reach, two_parts
 from obscli.exact.missing import MissingError, RefineError
 from obscli.exact.prove import Proof, prove
 from obscli.exact.reachable import InputMatrix, Inputs, input_rows, inputs_of, transposed
 from obscli.exact.rows import drift
-from obscli.model.system import Covector
+from obscli.model.system import Covector, System
 
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from obscli.exact.exact_system import ExactSystem, Row
     from obscli.exact.kalman_parts import Part
@@ -121,6 +121,24 @@ def kalman_decomposition(proof: Proof) -> Kalman:
     return _decomposed(proof, inputs, four_parts(proof, reach(proof, inputs)))
 
 
+def decompose(system: System, columns: Sequence[int]) -> Kalman:
+    """Prove the rank of a system and return its decomposition; ``columns``: order in which pivots are sought.
+
+    Raises
+    ------
+    UndecidedError : the rank or the reachable subspace cannot be decided, or a zero is not verified
+    UndefinedError : a coefficient does not exist
+    """
+    inputs, jets = inputs_of(system), 4
+    extra = () if inputs is None else tuple(inputs.matrix.entries.values())
+    while True:
+        proof = prove(system, columns, extra, jets)
+        try:
+            return kalman_decomposition(proof)
+        except JetOverflowError:
+            jets = 2 * proof.exact.interpreter.jets
+
+
 def _with_inputs(proof: Proof, inputs: Inputs) -> Proof:
     """Return a proof whose field holds the input matrix."""
     system, interpreter = proof.exact.system, proof.exact.interpreter
@@ -199,13 +217,29 @@ def _require_inverse(exact: ExactSystem, inverse: Sequence[Row], T: Sequence[Row
 
 
 def _require_zeros(sizes: Sequence[int], A: Sequence[Row], H: Sequence[Row], B: Sequence[Row] | None) -> None:
-    """Check every structural zero of Ā, B̄ and H̄."""
+    wrong = filled_zeros(sizes, A, H, B)
+    if wrong:
+        raise UndecidedError(f"the Kalman decomposition failed: {', '.join(wrong)} should be zero")
+
+
+def filled_zeros(
+    sizes: Sequence[int],
+    A: Sequence[Mapping[int, object]],
+    H: Sequence[Mapping[int, object]],
+    B: Sequence[Mapping[int, object]] | None,
+) -> list[str]:
+    """Return the blocks of Ā, H̄ and B̄ that should be zero and have entries: none where all is well.
+
+    Parameters
+    ----------
+    sizes : of the parts
+    A, H, B : sparse rows; B None for the two parts without inputs
+    """
     part = [k for k, size in enumerate(sizes) for _ in range(size)]
     a_zeros, h_zeros = (_A_ZEROS_OF_TWO, _H_ZEROS_OF_TWO) if B is None else (_A_ZEROS, _H_ZEROS)
     wrong = [
-        f"A_{i + 1}{j + 1}" for i, j in a_zeros & {(part[i], part[j]) for i, r in enumerate(A) for j in r}
+        f"A{i + 1}{j + 1}" for i, j in a_zeros & {(part[i], part[j]) for i, r in enumerate(A) for j in r}
     ]
-    wrong += [f"H_{j + 1}" for j in h_zeros & {part[j] for row in H for j in row}]
-    wrong += [f"B_{i + 1}" for i in _B_ZEROS & {part[i] for i, row in enumerate(B or ()) if row}]
-    if wrong:
-        raise UndecidedError(f"the Kalman decomposition failed: {', '.join(sorted(wrong))} should be zero")
+    wrong += [f"H{j + 1}" for j in h_zeros & {part[j] for row in H for j in row}]
+    wrong += [f"B{i + 1}" for i in _B_ZEROS & {part[i] for i, row in enumerate(B or ()) if row}]
+    return sorted(wrong)

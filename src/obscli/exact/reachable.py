@@ -45,9 +45,11 @@ class Inputs:
 
 def inputs_of(system: System) -> Inputs | None:
     """Return B where the system has inputs, else G, None where it has neither."""
-    if system.B is not None:
+    if system.B is not None and system.B.columns:
         return Inputs("B", system.B, system.inputs)
-    return None if system.G is None else Inputs("G", system.G, system.disturbances)
+    if system.G is not None and system.G.columns:
+        return Inputs("G", system.G, system.disturbances)
+    return None
 
 
 def dual_system(system: System, inputs: Inputs) -> System:

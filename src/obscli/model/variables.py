@@ -8,17 +8,31 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import Final
 
 from obscli.model.catalogue import RESERVED
-from obscli.model.expression import Number, is_one
+from obscli.model.expression import Number, is_one, number
 from obscli.model.notation import covector_text
 from obscli.model.system import Covector, State, System
 from obscli.model.tokens import LONGEST_NAME
 
 
+#: Whole numbers above this make an integer form hard to read.
+_MANY_DIGITS: Final = 10**9
+
+
 def is_state(form: Covector) -> bool:
     """Whether a linear form is one state by itself."""
     return len(form) == 1 and all(is_one(entry) for entry in form.values())
+
+
+def with_plain_lead(form: Covector) -> Covector:
+    """Return a linear form; of many-digit numbers, with 1 in front of its first state."""
+    numbers = [entry.value for entry in form.values() if isinstance(entry, Number)]
+    longest = max((max(abs(n.numerator), n.denominator) for n in numbers), default=0)
+    if len(numbers) < len(form) or longest <= _MANY_DIGITS:
+        return form
+    return {state: number(value / numbers[0]) for state, value in zip(form, numbers, strict=True)}
 
 
 def variable_states(system: System, forms: Sequence[Covector]) -> tuple[State, ...]:

@@ -106,5 +106,23 @@ class PlanRequest:
     numeric: NumericRequest = NumericRequest()
 
 
+#: What a system can be transformed to.
+Target: TypeAlias = Literal["observable", "kalman", "drop"]
+
+
+@dataclass(frozen=True, slots=True)
+class TransformRequest:
+    """What to transform to, which stages (empty: all), the form of the observable combinations, pivots.
+
+    ``one``: the model is to be written, so that there has to be one stage.
+    """
+
+    to: Target = "observable"
+    stages: tuple[str, ...] = ()
+    basis: Literal["echelon", "sparse"] = "echelon"
+    pivot_order: tuple[str, ...] = ()
+    one: bool = False
+
+
 def silent(_: str) -> None:
     """Progress that nobody watches."""
