@@ -11,9 +11,11 @@ from obscli.cli.options import (
     BasisOption,
     CrossCheckOption,
     DetailsOption,
+    DualOption,
     FixOption,
     FormatOption,
     FromOption,
+    FrozenOption,
     GramianOption,
     NoCriticalOption,
     OnlyOption,
@@ -50,6 +52,8 @@ def analyze(  # noqa: PLR0913 - one parameter an option
     fix: FixOption = None,
     outputs: OutputsOption = None,
     without: WithoutOption = None,
+    dual: DualOption = False,
+    frozen_at: FrozenOption = None,
     basis: BasisOption = "echelon",
     pivot_order: PivotOption = None,
     no_critical: NoCriticalOption = False,
@@ -92,6 +96,8 @@ def analyze(  # noqa: PLR0913 - one parameter an option
         curves=details or plot is not None,
         relations=details,
         cross_check=cross_check,
+        dual=dual,
+        frozen_at=frozen_at,
     )
     with refusals(), ProgressLine() as progress:
         report = run(model, request=request, changes=changes, progress=progress)

@@ -165,6 +165,23 @@ DetailsOption: TypeAlias = Annotated[
     bool,
     typer.Option("--details", help="Show the certificate, its assumptions, and what was not searched."),
 ]
+DualOption: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--dual",
+        help="Controllability instead: the same analysis of the dual system, for what the inputs reach (`B`, "
+        "else the disturbances, `G`).",
+    ),
+]
+FrozenOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--frozen-at",
+        metavar="T",
+        help="Take A and H as constant, as they are at this instant; the report says where the true rank "
+        "differs.",
+    ),
+]
 OnlyOption: TypeAlias = Annotated[
     str | None,
     typer.Option(

@@ -165,7 +165,7 @@ class System:
     ``prior`` is the initial standard deviation by state, where ``noise`` gives ``P0`` or ``P0_std``.
     ``scope`` holds what the names of the file stand for in this stage, for expressions given later
     (claims, the command line); None for a system not made from a file. ``fixed``: the names
-    that its stage fixes.
+    that its stage fixes. ``dual``: the matrix of the system of which this one is the dual.
     """
 
     stage: str | None
@@ -188,6 +188,7 @@ class System:
     interval: Interval | None = None
     scope: Scope | None = None
     fixed: tuple[str, ...] = ()
+    dual: Literal["B", "G"] | None = None
 
     @property
     def n(self) -> int:

@@ -58,6 +58,8 @@ def _stage_data(result: StageResult) -> dict[str, object]:
     finding = result.finding
     return {
         "model": model_data(result),
+        "dual": system.dual,
+        "frozen": result.frozen and result.frozen.data(),
         "n": system.n,
         "m": system.m,
         "states": list(system.state_names),

@@ -13,15 +13,17 @@ from obscli.exact import analysis as engine
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.finding import Analysis, Undecided
 from obscli.model.covector import parse_covectors_file
+from obscli.model.dual import is_constant
 from obscli.model.specialise import at_nominal
 from obscli.model.system import Model, System
 from obscli.pipelines.analysis_data import report_data
 from obscli.pipelines.describe.figures import analysis_figures
 from obscli.pipelines.describe.report import report_document
+from obscli.pipelines.freezing import beside_truth, frozen_model
 from obscli.pipelines.neglect import compared
 from obscli.pipelines.other_stages import with_other_stages
-from obscli.pipelines.reading import chosen_systems, expanded_states
-from obscli.pipelines.request import AnalyzeRequest, Changes, Progress, silent
+from obscli.pipelines.reading import chosen_systems, dual_model, expanded_states
+from obscli.pipelines.request import AnalyzeRequest, Changes, Progress, RequestError, silent
 from obscli.pipelines.stage_result import StageResult
 
 
@@ -72,6 +74,14 @@ def analyze(
     unfixed : the same model without its ``fix``; where given, the report says what the fix changes
     progress : told what is being done
     """
+    if request.dual:
+        _require_fit_for_dual(request)
+        model = dual_model(model, request.stages)
+        unfixed = unfixed and dual_model(unfixed, request.stages)
+    true = {one.stage: one for one in model.systems}
+    if request.frozen_at is not None:
+        model = frozen_model(model, request.stages, request.frozen_at)
+        unfixed = unfixed and frozen_model(unfixed, request.stages, request.frozen_at)
     results = []
     for system in chosen_systems(model, request.stages):
         told = _labelled(progress, f"{system.stage or model.name}: ")
@@ -81,10 +91,20 @@ def analyze(
             if unfixed is not None and isinstance(finding, Analysis):
                 told("the system before --fix")
                 finding = _with_neglect(finding, unfixed, changes)
-        result = _with_detectability(StageResult(model, system, finding, shown=request.only), request, told)
+        result = StageResult(model, system, finding, shown=request.only)
+        if request.frozen_at is not None:
+            told("the system in truth")
+            frozen = beside_truth(true[system.stage], finding, system, request.frozen_at)
+            result = replace(result, frozen=frozen)
+        result = _with_detectability(result, request, told)
         exact_alone = request.only in {"analytic", "structure"}
         results.append(result if exact_alone else _with_gramian(result, request, told))
     return AnalyzeReport(with_other_stages(tuple(results)), changes)
+
+
+def _require_fit_for_dual(request: AnalyzeRequest) -> None:
+    if request.cross_check:
+        raise RequestError("--cross-check follows the errors of an estimator; it has no meaning with --dual")
 
 
 def _with_detectability(result: StageResult, request: AnalyzeRequest, progress: Progress) -> StageResult:
@@ -139,7 +159,12 @@ def _analyze_system(system: System, request: AnalyzeRequest, progress: Progress)
         critical=request.critical,
         relations=request.relations,
     )
-    return engine.analyze(system, options, progress)
+    if system.dual is None:
+        return engine.analyze(system, options, progress)
+    # the dual of a system in time goes backwards, and advice and relations are about outputs
+    options = replace(options, structure=is_constant(system), relations=False)
+    found = engine.analyze(system, options, progress)
+    return replace(found, advice=()) if isinstance(found, Analysis) else found
 
 
 def _with_neglect(after: Analysis, unfixed: Model, changes: Changes) -> Analysis:

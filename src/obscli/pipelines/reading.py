@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from obscli.model import reader
+from obscli.model.dual import dual
 from obscli.model.system import Claim, Model, System
 from obscli.pipelines.request import Changes, RequestError
 
@@ -45,6 +46,29 @@ def chosen_systems(model: Model, stages: tuple[str, ...]) -> tuple[System, ...]:
         if stage not in known:
             raise RequestError(unknown(f"{model.file}: no stage", stage, known))
     return tuple(system for system in model.systems if not stages or system.stage in stages)
+
+
+def dual_model(model: Model, stages: tuple[str, ...]) -> Model:
+    """Return the model with the duals of the named stages (none: all) in place of its systems.
+
+    Raises
+    ------
+    RequestError
+        where a stage is not there, or has neither inputs nor disturbances
+    """
+    systems = tuple(_dual(model, system) for system in chosen_systems(model, stages))
+    return replace(model, systems=systems, experiment=None, require=(), claims=())
+
+
+def _dual(model: Model, system: System) -> System:
+    try:
+        return dual(system)
+    except ValueError:
+        stage = f"stage {system.stage!r} has" if system.stage else "the model has"
+        raise RequestError(
+            f"{model.file}: {stage} nothing that acts on the states, so no dual: give `B` or `G`, or name "
+            "`inputs` or `disturbances` and use them in `dynamics`"
+        ) from None
 
 
 def expanded_states(system: System, names: tuple[str, ...]) -> tuple[str, ...]:

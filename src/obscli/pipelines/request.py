@@ -70,7 +70,8 @@ class AnalyzeRequest:
 
     ``only``: one part alone; ``numeric``: the options of the numerical side; ``curves``: guess the forms of
     the coefficients also where the numerical side is not alone; ``relations``: find what outputs are made of;
-    ``cross_check``: solve the Riccati equation from two priors.
+    ``cross_check``: solve the Riccati equation from two priors; ``dual``: what the inputs reach instead;
+    ``frozen_at``: an instant at which A and H are taken as constant, in the names of the file.
     """
 
     stages: tuple[str, ...] = ()
@@ -82,6 +83,8 @@ class AnalyzeRequest:
     curves: bool = False
     relations: bool = False
     cross_check: bool = False
+    dual: bool = False
+    frozen_at: str | None = None
 
 
 #: The parts of a calibration that can be asked for alone.
@@ -126,3 +129,17 @@ class TransformRequest:
 
 def silent(_: str) -> None:
     """Progress that nobody watches."""
+
+
+#: The parts of an explanation that can be asked for alone.
+WhyPart: TypeAlias = Literal["analytic"]
+
+
+@dataclass(frozen=True, slots=True)
+class WhyRequest:
+    """What to explain (a state, a vector, a quantity, a combination), in which stages, which part."""
+
+    target: str
+    stages: tuple[str, ...] = ()
+    only: WhyPart | None = None
+    numeric: NumericRequest = NumericRequest()

@@ -11,6 +11,8 @@ from obscli.pipelines.describe.advice import advice_blocks
 from obscli.pipelines.describe.certificate import certificate_blocks
 from obscli.pipelines.describe.combinations import combination_blocks, direction_blocks
 from obscli.pipelines.describe.critical import critical_blocks
+from obscli.pipelines.describe.dual import dual_blocks, told_of
+from obscli.pipelines.describe.frozen import frozen_blocks
 from obscli.pipelines.describe.gramian import gramian_blocks, gramian_state_blocks
 from obscli.pipelines.describe.neglect import neglect_blocks
 from obscli.pipelines.describe.ranks import rank_blocks
@@ -59,7 +61,13 @@ def _stage_blocks(result: StageResult, *, first: bool) -> Iterable[Block]:
     yield Heading(1, (Text(result.title),))
     if first and result.model.title:
         yield Paragraph((Text(result.model.title, "strong"),))
+    yield from dual_blocks(result.system)
+    yield from told_of(result.system, _sections(result))
+
+
+def _sections(result: StageResult) -> Iterable[Block]:
     yield from summary_blocks(result)
+    yield from frozen_blocks(result)
     match result.finding:
         case Undecided(_, reason):
             yield VerdictLine("open", plain(f"undecided: {reason}"))
