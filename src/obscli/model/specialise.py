@@ -40,42 +40,16 @@ class Specialisation:
 
     def covector(self, covector: Covector) -> Covector:
         """Return a linear form with the replacements made."""
-        return {state: self.expression(entry) for state, entry in covector.items()}
+        return _covector(covector, self.expression)
 
     def system(self) -> System:
         """Return the specialised system."""
         system = self._system
         return replace(
-            system,
+            exchanged(system, self.expression),
             parameters=tuple(p for p in system.parameters if p.name not in self._gone),
             functions=tuple(self._function(f) for f in system.functions if f.name not in self._gone),
-            invariants=tuple(Invariant(self.expression(i.expression), i.place) for i in system.invariants),
-            A=_matrix(system.A, self.expression),
-            H=_matrix(system.H, self.expression),
-            B=system.B and _matrix(system.B, self.expression),
-            G=system.G and _matrix(system.G, self.expression),
-            noise=self._noise(system.noise),
-            quantities=tuple(
-                replace(q, coefficients=self.covector(q.coefficients)) for q in system.quantities
-            ),
-            states=tuple(replace(s, scale=self._optional(s.scale)) for s in system.states),
-            prior=self.covector(system.prior),
-            interval=self._interval(system.interval),
         )
-
-    def _optional(self, expression: Expression | None) -> Expression | None:
-        return None if expression is None else self.expression(expression)
-
-    def _noise(self, noise: Noise | None) -> Noise | None:
-        if noise is None:
-            return None
-        Q, R, P0 = (one and _matrix(one, self.expression, zeros=True) for one in (noise.Q, noise.R, noise.P0))
-        return replace(noise, Q=Q, R=R, P0=P0, step=self._optional(noise.step))
-
-    def _interval(self, interval: Interval | None) -> Interval | None:
-        if interval is None:
-            return None
-        return replace(interval, start=self._optional(interval.start), stop=self._optional(interval.stop))
 
     def _function(self, function: Function) -> Function:
         rule = self._rules.get(function.name)
@@ -85,6 +59,39 @@ class Specialisation:
 def at_nominal(system: System) -> Specialisation:
     """Replace every parameter that has a nominal value by it, exactly."""
     return Specialisation(system, {p.name: p.nominal for p in system.parameters if p.nominal is not None})
+
+
+def exchanged(system: System, exchange: Callable[[Expression], Expression]) -> System:
+    """Return the system with every coefficient exchanged; rules of functions and claims stay as they are."""
+    return replace(
+        system,
+        invariants=tuple(Invariant(exchange(one.expression), one.place) for one in system.invariants),
+        A=_matrix(system.A, exchange),
+        H=_matrix(system.H, exchange),
+        B=system.B and _matrix(system.B, exchange),
+        G=system.G and _matrix(system.G, exchange),
+        noise=system.noise and _noise(system.noise, exchange),
+        quantities=tuple(
+            replace(one, coefficients=_covector(one.coefficients, exchange)) for one in system.quantities
+        ),
+        states=tuple(replace(one, scale=one.scale and exchange(one.scale)) for one in system.states),
+        prior=_covector(system.prior, exchange),
+        interval=system.interval and _interval(system.interval, exchange),
+    )
+
+
+def _covector(covector: Covector, exchange: Callable[[Expression], Expression]) -> Covector:
+    return {state: exchange(entry) for state, entry in covector.items()}
+
+
+def _noise(noise: Noise, exchange: Callable[[Expression], Expression]) -> Noise:
+    Q, R, P0 = (one and _matrix(one, exchange, zeros=True) for one in (noise.Q, noise.R, noise.P0))
+    return replace(noise, Q=Q, R=R, P0=P0, step=noise.step and exchange(noise.step))
+
+
+def _interval(interval: Interval, exchange: Callable[[Expression], Expression]) -> Interval:
+    start, stop = (one and exchange(one) for one in (interval.start, interval.stop))
+    return replace(interval, start=start, stop=stop)
 
 
 def _matrix(matrix: Matrix, exchange: Callable[[Expression], Expression], *, zeros: bool = False) -> Matrix:

@@ -10,6 +10,7 @@ from obscli.core.verification import NotVerified, Verification
 from obscli.exact.finding import Analysis, Undecided
 from obscli.model.system import Model, System
 from obscli.numeric.finding import CrossCheck, EchelonFinding, NotComputed, NumericFinding
+from obscli.pipelines.freezing import Frozen
 from obscli.pipelines.request import Part
 
 
@@ -19,7 +20,8 @@ class StageResult:
 
     ``shown``: the one part the user asked to see, None: all; ``basis``: the numerical basis in time;
     ``detectability``: whether what is unobservable dies out, ``detectability_there``: at the file's values,
-    where more is unobservable; ``cross_check``: the Riccati equation from two priors.
+    where more is unobservable; ``cross_check``: the Riccati equation from two priors; ``frozen``: the instant
+    at which ``system`` is frozen, and the rank in truth.
     """
 
     model: Model
@@ -32,6 +34,7 @@ class StageResult:
     detectability: Detectability | None = None
     detectability_there: Detectability | None = None
     cross_check: CrossCheck | NotComputed | None = None
+    frozen: Frozen | None = None
 
     @property
     def title(self) -> str:

@@ -7,12 +7,14 @@ from dataclasses import replace
 
 from obscli.checks.certificate import check_certificate
 from obscli.core.check import CheckResult
+from obscli.core.place import ModelError
 from obscli.exact.finding import Certificate
 from obscli.model.specialise import at_nominal
 from obscli.model.system import Covector, Model, System
 from obscli.pipelines.certificate_data import certificate_from_data, covector_from_data
+from obscli.pipelines.freezing import frozen_system
 from obscli.pipelines.json_values import CertificateError, list_at, mapping_at, text_at, texts_at, value_at
-from obscli.pipelines.request import Changes, Progress, silent
+from obscli.pipelines.request import Changes, Progress, RequestError, silent
 from obscli.pipelines.stage_result import StageChecks
 from obscli.pipelines.verify_report import VerifyReport
 
@@ -50,6 +52,9 @@ def verify_certificates(
         path = f"results[{k}]"
         result = mapping_at(entry, path)
         system = _system(model, mapping_at(value_at(result, "model", path), f"{path}.model"), path)
+        if result.get("frozen") is not None:
+            frozen = f"{path}.frozen"
+            system = _frozen(system, mapping_at(result["frozen"], frozen), frozen)
         if not stages or system.stage in stages:
             progress(f"certificate of {system.stage or model.name}")
             results.append(StageChecks(model, system, tuple(_checks(system, result, path))))
@@ -67,6 +72,14 @@ def _system(model: Model, identity: Mapping[str, object], path: str) -> System:
             return system
     named = "the base system" if stage is None else f"a stage {text_at(stage, f'{path}.model.stage')!r}"
     raise CertificateError(f"{path}.model.stage: {model.file} has no such stage: {named}")
+
+
+def _frozen(system: System, frozen: Mapping[str, object], path: str) -> System:
+    instant = text_at(value_at(frozen, "at", path), f"{path}.at")
+    try:
+        return frozen_system(system, instant)
+    except (RequestError, ModelError) as error:
+        raise CertificateError(f"{path}.at: {error}") from error
 
 
 def _checks(system: System, result: Mapping[str, object], path: str) -> Iterator[CheckResult]:
