@@ -84,6 +84,9 @@ def test_bundled_models_in_every_stage(obscli, name, target):
     [
         ("kortunov/single_channel", None, [0, 5, 0, 0]),
         ("kortunov/accelerometer_only", None, [0, 3, 0, 1]),
+        ("kortunov/sixteen_states_case_2", "velocity_position", [0, 16, 0, 0]),
+        ("kortunov/sixteen_states_case_3", "velocity_position", [3, 13, 0, 0]),
+        ("kortunov/sixteen_states_case_3", "with_heading", [2, 14, 0, 0]),
         ("bagmut/gyro", "attitude", [2, 1]),
         ("ins_calibration/horizontal", "stage_3", [16, 8]),
         ("calibration/six_position", "levelled", [9, 9]),

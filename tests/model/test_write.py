@@ -92,6 +92,13 @@ def test_names_of_inputs_that_are_taken_are_not_written():
     assert again.inputs == system.inputs == ("u1", "u2")
 
 
+def test_no_comment_breaks_out_of_its_line():
+    system = read_text("states: [a]\nA: [[0]]\nH: [[1]]\n", "m.yaml").systems[0]
+    written = write_model(system, Heading(comments=("one\nname: two\rtime: x",)))
+    again = read_text(written, "again.yaml")
+    assert (again.name, again.systems[0].time) == ("again", "t")
+
+
 def test_what_a_file_cannot_say_stands_in_a_comment():
     text = "states: {x: 2, b: 1}\nA: [[0, 0, 0], [0, 0, 0], [0, 0, 0]]\nH: [[1, 0, 0]]\nnoise: {P0: {x: [[2, 1], [1, 2]]}}\n"
     system = read_text(text, "partly.yaml").systems[0]

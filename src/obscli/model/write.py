@@ -69,7 +69,7 @@ def write_model(system: System, heading: Heading = Heading()) -> str:
 
 def _heading(heading: Heading) -> Iterator[str]:
     for comment in heading.comments:
-        yield f"# {comment}".rstrip()
+        yield from (f"# {line}".rstrip() for line in comment.splitlines())
     given = {
         "name": heading.name,
         "title": heading.title,

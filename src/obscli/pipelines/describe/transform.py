@@ -193,8 +193,14 @@ def _back_row(state: str, form: Covector, names_of: Mapping[str, str]) -> tuple[
     return (line(Math(f"{state} = {text}", f"{symbol} = {latex}")),)
 
 
+def _is_rounded(found: Transformed) -> bool:
+    names_of = found.system.state_names
+    rows = [*rows_of(found.system.A, names_of), *rows_of(found.system.H, names_of)]
+    return any(rounded(form)[1] for form in (*found.forms, *rows))
+
+
 def _check_blocks(found: Transformed) -> Iterator[Block]:
-    if any(rounded(form)[1] for form in found.forms):
+    if _is_rounded(found):
         yield Note("note", plain(ROUNDED))
     yield Heading(2, plain("Checked on the model as its file reads"))
     for check in found.checks:
