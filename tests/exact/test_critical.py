@@ -463,3 +463,11 @@ def test_factors_with_long_numbers_are_found(row):
         "a = 123456789012": 0,
         "a = -7/1000000000001": 0,
     }
+
+
+@pytest.mark.parametrize("number", ["1 + sin(1/10)", "sin(1/10) + sqrt(7)", "exp(2) - 7", "pi - 3", "log(2)"])
+def test_a_number_other_than_zero_is_no_condition(system, number):
+    given = system(f"parameters: {{a: }}\nstates: [x, y]\nA: [[0, a*({number})], [0, 0]]\nH: [[1, 0]]\n")
+    found = analyze(given)
+    assert [value.condition for value in found.critical.values] == ["a = 0"]
+    assert found.critical.complete

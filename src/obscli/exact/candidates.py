@@ -12,7 +12,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
+from obscli.exact.field import Element
 from obscli.exact.interpreter import Interpreter
+from obscli.exact.nonzero import first_nonzero
 from obscli.exact.polynomial import common_factor, factored
 from obscli.exact.roots import evident_sign, sign_of
 from obscli.model.expression import Expression
@@ -76,9 +78,22 @@ def time_content(field: Field, polynomial: Polynomial) -> Polynomial:
 def has_real_zeros(exact: ExactSystem, factor: Polynomial) -> bool:
     """Whether a factor may vanish on a real hypersurface: not if all its terms have one evident sign.
 
-    Assumptions about parameters do not count here; a zero outside them is reported apart.
+    Nor if it is a number other than zero, as 1 + cos(1/10). Assumptions about parameters do not count here; a
+    zero outside them is reported apart.
     """
+    if _is_nonzero_number(exact, factor):
+        return False
     return evident_sign(exact.interpreter, factor, assumed=False) is None or _vanishes_at_zero(exact, factor)
+
+
+def _is_nonzero_number(exact: ExactSystem, factor: Polynomial) -> bool:
+    element = Element(exact.field, factor, exact.field.one_polynomial)
+    if not exact.interpreter.is_numeric(element):
+        return False
+    try:
+        return first_nonzero(exact.interpreter, [element]) is not None
+    except UndecidedError:
+        return False
 
 
 def _vanishes_at_zero(exact: ExactSystem, factor: Polynomial) -> bool:
