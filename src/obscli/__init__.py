@@ -27,7 +27,7 @@ A combination is *constant* where xi' + xi A = 0. A state is *observable* where 
 *coupled* where it enters one, *unobservable* where it enters none.
 
 Public interface: ``load``, ``analyze``, ``verify``, ``calibrate``, ``plan``, ``transform``,
-``ModelError``; see ``obscli.api``.
+``why``, ``ModelError``; see ``obscli.api``.
 
 References
 ----------
@@ -51,12 +51,14 @@ if TYPE_CHECKING:
         PlanReport,
         TransformReport,
         VerifyReport,
+        WhyReport,
         analyze,
         calibrate,
         load,
         plan,
         transform,
         verify,
+        why,
     )
     from obscli.core.place import ModelError
     from obscli.pipelines.request import (
@@ -65,6 +67,7 @@ if TYPE_CHECKING:
         Changes,
         PlanRequest,
         TransformRequest,
+        WhyRequest,
     )
 
 
@@ -82,6 +85,8 @@ __all__ = [
     "TransformReport",
     "TransformRequest",
     "VerifyReport",
+    "WhyReport",
+    "WhyRequest",
     "__version__",
     "analyze",
     "calibrate",
@@ -89,6 +94,7 @@ __all__ = [
     "plan",
     "transform",
     "verify",
+    "why",
 ]
 
 #: Where each public name lives; imported when first used, so that ``import obscli`` costs nothing.
@@ -104,12 +110,15 @@ _HOMES = {
     "TransformReport": "obscli.api",
     "TransformRequest": "obscli.pipelines.request",
     "VerifyReport": "obscli.api",
+    "WhyReport": "obscli.api",
+    "WhyRequest": "obscli.pipelines.request",
     "analyze": "obscli.api",
     "calibrate": "obscli.api",
     "load": "obscli.api",
     "plan": "obscli.api",
     "transform": "obscli.api",
     "verify": "obscli.api",
+    "why": "obscli.api",
 }
 
 

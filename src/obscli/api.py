@@ -19,6 +19,7 @@ from obscli.pipelines import analyze as analyze_pipeline
 from obscli.pipelines import calibrate as calibrate_pipeline
 from obscli.pipelines import plan_report, verify_report
 from obscli.pipelines import transform as transform_pipeline
+from obscli.pipelines import why as why_pipeline
 from obscli.pipelines.reading import load as load_changed
 from obscli.pipelines.request import (
     AnalyzeRequest,
@@ -28,6 +29,7 @@ from obscli.pipelines.request import (
     PlanRequest,
     Progress,
     TransformRequest,
+    WhyRequest,
     silent,
 )
 from obscli.render.format import Surface
@@ -70,6 +72,11 @@ class PlanReport(plan_report.PlanReport, Shown):
 @dataclass(frozen=True, slots=True, eq=False)
 class TransformReport(transform_pipeline.TransformReport, Shown):
     """What ``transform`` made: ``results``, one a stage, each with ``finding``; ``text``: the model file."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WhyReport(why_pipeline.WhyReport, Shown):
+    """What ``why`` found: ``results``, one a target and stage; ``document()``; ``data()``."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -192,6 +199,29 @@ def transform(
     """
     found = transform_pipeline.transform(_read(model, changes), request, changes, progress)
     return TransformReport(found.results, found.changes)
+
+
+def why(
+    model: Source,
+    target: str = "",
+    *,
+    request: WhyRequest | None = None,
+    changes: Changes = Changes(),  # noqa: B008 - frozen and empty
+    progress: Progress = silent,
+) -> WhyReport:
+    """Explain why a state can be estimated, or not, and what would make it observable.
+
+    Parameters
+    ----------
+    model : a model file, or a model read before (then ``changes`` must be empty)
+    target : a state, a vector of states, a quantity, or a combination as text; or in ``request``
+    request : the target, the stages, whether numbers are wanted
+    changes : changes to make while reading
+    progress : told what is being done
+    """
+    asked = request or WhyRequest(target)
+    found = why_pipeline.why(_read(model, changes), asked, changes, progress)
+    return WhyReport(found.results, found.changes)
 
 
 def _read(model: Source, changes: Changes) -> Model:

@@ -12,6 +12,7 @@ from obscli.cli.model import model_app
 from obscli.cli.plan import plan
 from obscli.cli.transform import transform
 from obscli.cli.verify import verify
+from obscli.cli.why import why
 
 
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
@@ -31,6 +32,7 @@ app.command("verify")(verify)
 app.command("calibrate")(calibrate)
 app.command("plan")(plan)
 app.command("transform")(transform)
+app.command("why")(why)
 app.add_typer(model_app, name="model")
 
 

@@ -9,11 +9,11 @@ import typer
 
 from obscli.cli.options import (
     AnalyticOption,
+    FixBeforeOption,
     FormatOption,
     FromOption,
     OutputOption,
     OutputsOption,
-    RunFixOption,
     SetOption,
     StageOption,
     StrictOption,
@@ -45,12 +45,15 @@ def why(  # noqa: PLR0913 - one parameter an option
     output: OutputOption = None,
     stage: StageOption = None,
     settings: SetOption = None,
-    fix: RunFixOption = None,
+    fix: FixBeforeOption = None,
     outputs: OutputsOption = None,
     without: WithoutOption = None,
     only: AnalyticOption = None,
     start: FromOption = None,
     stop: ToOption = None,
+    details: Annotated[
+        bool, typer.Option("--details", help="Show all directions and combinations, long ones in full.")
+    ] = False,
     strict: StrictOption = False,
 ) -> int:
     """Say why a state can be estimated or not, what hides it, and what would make it observable."""
@@ -66,5 +69,5 @@ def why(  # noqa: PLR0913 - one parameter an option
     request = WhyRequest(target, tuple(stage or ()), cast("WhyPart | None", only), numeric)
     with refusals(), ProgressLine() as progress:
         report = run(model, request=request, changes=changes, progress=progress)
-    deliver(report, form, output, details=False)
+    deliver(report, form, output, details=details)
     return ExitCode.UNDECIDED if strict and report.undecided else ExitCode.DONE

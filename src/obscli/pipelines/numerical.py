@@ -158,17 +158,23 @@ def cross_checked(
         return NotComputed(str(error))
 
 
-def known(system: System, target: Covector, request: NumericRequest) -> Knowledge | NotComputed:
+def known(
+    model: Model, system: System, target: Covector, request: NumericRequest
+) -> Knowledge | NotComputed:
     """Return how well a linear form in the states is known at the end of the interval, or why not.
 
     Raises
     ------
     ModelError
         where an instant is no expression in the names of the system
+    RequestError
+        where what was asked for does not fit the system
     """
     try:
         horizon = horizon_of(system, settings_of(system, request).wanted)
         return knowledge(system, target, horizon.start, horizon.stop)
+    except UnfitRequestError as error:
+        raise RequestError(f"{model.file}: {error}") from error
     except NotComputableError as error:
         return NotComputed(str(error))
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TypeAlias
 
 from obscli.core.document import Document
 from obscli.core.figure import Figure
 from obscli.core.place import ModelError
-from obscli.exact.errors import UndecidedError, UndefinedError
-from obscli.exact.finding import Undecided
-from obscli.exact.why import Explanation, Remedy, at_values, explain, verdict_in
+from obscli.exact.analysis import analyze
+from obscli.exact.trials import ChangeKind, Trial, try_change
+from obscli.exact.why import LIGHT, Explanation, explain
 from obscli.model.covector import parse_covector
 from obscli.model.expression import ONE
 from obscli.model.system import Model, Quantity, System
@@ -64,31 +64,24 @@ def why(
     Raises
     ------
     RequestError
-        where there is no such stage
+        where there is no such stage, or the numbers asked for do not fit the system
     ModelError
         where the target is no combination of the states
     """
     results: list[WhyResult] = []
     for system in chosen_systems(model, request.stages):
-        for target in targets_of(system, request.target):
+        targets = targets_of(system, request.target)
+        progress(f"{system.stage or model.name}: observability matrix")
+        analysis = analyze(system, LIGHT)
+        for target in targets:
             progress(f"{system.stage or model.name}: {target.name}")
-            finding = explain(system, target)
+            finding = explain(analysis, target)
             if isinstance(finding, Explanation) and finding.verdict != "observable":
-                tried = (*_unfixed(model, system, target, changes), *_stages(model, system, target))
-                finding = replace(finding, remedies=(*finding.remedies, *tried))
-            found = WhyResult(model, system, target, finding, _known(system, target, request))
-            results.append(replace(found, there=_there(finding)))
+                changed = (*_unfixed(model, system, changes), *_other_stages(model, system))
+                tried = (_tried(one, request, target) for one in changed)
+                finding = replace(finding, trials=(*finding.trials, *(one for one in tried if one)))
+            results.append(WhyResult(model, system, target, finding, _known(model, system, target, request)))
     return WhyReport(tuple(results), changes)
-
-
-def _there(finding: Explanation | Undecided) -> Explanation | None:
-    """Return the explanation at the file's values where the verdict is another there."""
-    if isinstance(finding, Undecided) or finding.at_values is None:
-        return None
-    if finding.at_values.becomes == finding.verdict:
-        return None
-    there = explain(*at_values(finding.system, finding.target))
-    return there if isinstance(there, Explanation) else None
 
 
 def targets_of(system: System, text: str) -> tuple[Quantity, ...]:
@@ -106,41 +99,46 @@ def targets_of(system: System, text: str) -> tuple[Quantity, ...]:
     return quantities or (parse_covector(system, text, "TARGET"),)
 
 
-def _unfixed(model: Model, system: System, target: Quantity, changes: Changes) -> Iterator[Remedy]:
-    """Yield the fixes, of the stage and of the command line, that undone make the target observable."""
+#: A change in words, its kind, and the system with the change made; None: it cannot be made.
+_Change: TypeAlias = tuple[str, ChangeKind, System | None]
+
+
+def _unfixed(model: Model, system: System, changes: Changes) -> Iterator[_Change]:
+    """Yield the system without one of its fixes, those of the stage and of the command line."""
     for name in dict.fromkeys((*system.fixed, *changes.fix)):
         kept = {other: value for other, value in changes.fix.items() if other != name}
         try:
-            freed = load(model.file, replace(changes, fix=kept), freed=(name,))
+            freed = load(model.file, replace(changes, fix=kept), freed=(name,)).systems
         except ModelError:
-            continue  # it cannot be done without
-        for other in freed.systems:
-            if other.stage == system.stage:
-                yield from _tried(f"{name} free", "fix", other, target)
+            freed = ()
+        yield f"{name} free", "fix", next((one for one in freed if one.stage == system.stage), None)
 
 
-def _stages(model: Model, system: System, target: Quantity) -> Iterator[Remedy]:
-    """Yield the other stages in which the target is observable."""
+def _other_stages(model: Model, system: System) -> Iterator[_Change]:
     for other in model.systems:
         if other is not system:
-            yield from _tried(other.stage or "the base", "stage", other, target)
+            yield other.stage or "the base", "stage", other
 
 
-def _tried(change: str, kind: Literal["fix", "stage"], system: System, target: Quantity) -> Iterator[Remedy]:
-    if not set(target.coefficients) <= set(system.state_names):
-        return
+def _tried(change: _Change, request: WhyRequest, target: Quantity) -> Trial | None:
+    """Return what the target is after a change, where that helps or is not known."""
+    words, kind, system = change
+    if system is None:
+        return Trial(words, kind, "undecided", None, proved=False)
     try:
-        verdict, rank = verdict_in(system, target)
-    except (UndecidedError, UndefinedError):
-        return
-    if verdict == "observable":
-        yield Remedy(change, kind, verdict, rank, proved=True)
+        known = {one.name: one for one in targets_of(system, request.target)}
+    except ModelError:
+        return None
+    found = try_change(words, kind, system, known[target.name]) if target.name in known else None
+    return found if found and found.becomes in {"observable", "undecided"} else None
 
 
-def _known(system: System, target: Quantity, request: WhyRequest) -> Knowledge | NotComputed | None:
+def _known(
+    model: Model, system: System, target: Quantity, request: WhyRequest
+) -> Knowledge | NotComputed | None:
     """Return how well the target is known where the file has noise; None where it has none."""
     if request.only == "analytic" or system.noise is None or system.noise.R is None:
         return None
     from obscli.pipelines.numerical import known  # noqa: PLC0415 - floating point only where it is asked for
 
-    return known(system, target.coefficients, request.numeric)
+    return known(model, system, target.coefficients, request.numeric)

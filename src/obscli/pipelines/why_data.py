@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import asdict
 
 from obscli.core.number import json_number
 from obscli.core.version import SCHEMA, VERSION
@@ -33,18 +34,25 @@ def _result(result: WhyResult) -> dict[str, object]:
             "target": result.target.name,
             "coefficients": covector_to_data(result.target.coefficients),
             **_finding(result.finding),
-            "there": None if result.there is None else _finding(result.there),
+            "at_values": _at_values(result.finding),
             **_known(result.known),
         },
     }
+
+
+def _at_values(finding: Explanation | Undecided) -> dict[str, object] | None:
+    """Return the same at the file's values; None where the rank there is the generic one."""
+    if isinstance(finding, Undecided) or finding.at_values is None:
+        return None
+    there = finding.at_values
+    return {"because": list(there.because) if isinstance(there, Explanation) else [], **_finding(there)}
 
 
 def _finding(finding: Explanation | Undecided) -> dict[str, object]:
     if isinstance(finding, Undecided):
         return {
             "verdict": "undecided", "reason": finding.reason, "rank": None, "group": [], "directions": [],
-            "modes": [], "seen_by": None, "combinations": [], "corrections": [], "conditions": [],
-            "at_values": None,
+            "modes": [], "seen_by": None, "combinations": [], "correction": [], "conditions": [],
         }  # fmt: skip
     system = finding.system
     return {
@@ -54,41 +62,24 @@ def _finding(finding: Explanation | Undecided) -> dict[str, object]:
         "group": list(finding.group),
         "directions": [covector_to_data(one) for one in finding.directions],
         "modes": [mode_data(one) for one in finding.modes],
-        "seen_by": None
-        if finding.seen_by is None
-        else {"output": finding.seen_by[0], "order": finding.seen_by[1]},
+        "seen_by": None if finding.seen_by is None else _origin(*finding.seen_by),
         "combinations": [
-            {
-                **combination_data(one.coefficients, system),
-                "seen_by": {"output": one.output, "order": one.order},
-            }
+            {**combination_data(one.coefficients, system), "seen_by": _origin(one.output, one.order)}
             for one in finding.combinations
         ],
-        "corrections": [combination_data(one, system) for one in finding.corrections],
-        "conditions": [
-            {
-                "change": one.change,
-                "kind": one.kind,
-                "becomes": one.becomes,
-                "rank": one.rank,
-                "proved": one.proved,
-            }
-            for one in finding.remedies
-        ],
-        "at_values": None
-        if finding.at_values is None
-        else {
-            "verdict": finding.at_values.becomes,
-            "rank": finding.at_values.rank,
-            "because": finding.at_values.change,
-        },
+        "correction": [combination_data(one, system) for one in finding.corrections],
+        "conditions": [asdict(one) for one in finding.trials],
     }
+
+
+def _origin(output: str, order: int) -> dict[str, object]:
+    return {"output": output, "order": order}
 
 
 def _known(known: Knowledge | NotComputed | None) -> dict[str, object]:
     if not isinstance(known, Knowledge):
         reason = known.reason if isinstance(known, NotComputed) else ""
-        return {"deviation": None, "partners": [], "floor": None, "no_deviation": reason}
+        return {"deviation": None, "partners": [], "floor": None, "without": {}, "no_deviation": reason}
     return {
         "deviation": {
             "start": json_number(known.before),

@@ -13,17 +13,13 @@ from obscli.pipelines.stage_result import stage_title
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WhyResult:
-    """One target in one stage: why it is observable or not; with noise in the file, how well it is known.
-
-    ``there``: the explanation at the file's values, where the verdict is another there.
-    """
+    """One target in one stage: why it is observable or not; with noise in the file, how well it is known."""
 
     model: Model
     system: System
     target: Quantity
     finding: Explanation | Undecided
     known: Knowledge | NotComputed | None
-    there: Explanation | None = None
 
     @property
     def title(self) -> str:
@@ -32,5 +28,5 @@ class WhyResult:
 
     @property
     def is_undecided(self) -> bool:
-        """Whether the verdict stayed undecided."""
+        """Whether the verdict for generic values stayed undecided."""
         return isinstance(self.finding, Undecided) or self.finding.verdict == "undecided"

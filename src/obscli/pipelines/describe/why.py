@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
+from obscli.checks.detectability import time_constant
 from obscli.core.document import (
     Block,
+    Details,
     Document,
     Heading,
     Inline,
     Kind,
     Listing,
     Math,
-    Note,
     Paragraph,
     Text,
     VerdictLine,
@@ -21,15 +22,20 @@ from obscli.core.document import (
 )
 from obscli.core.number import counted, short
 from obscli.exact.finding import LinearFormVerdict, Undecided
-from obscli.exact.why import Explanation, Remedy
-from obscli.numeric.finding import Floor, Knowledge, NotComputed
+from obscli.exact.structure_finding import Mode
+from obscli.exact.trials import ChangeKind, Trial
+from obscli.exact.why import Explanation
+from obscli.model.system import Covector
 from obscli.pipelines.describe.formulas import combination, direction
 from obscli.pipelines.describe.structure import KINDS
+from obscli.pipelines.describe.why_numbers import number_blocks
 from obscli.pipelines.why_result import WhyResult
 
 
-#: So many directions and combinations are printed; more are counted.
-MOST: Final = 4
+#: So many directions, combinations and names are printed, and formulas of this length; the rest with details.
+MOST: Final = 3
+MOST_NAMES: Final = 8
+LONGEST: Final = 160
 
 MEANING: Final[dict[LinearFormVerdict, str]] = {
     "observable": "the outputs determine it",
@@ -37,10 +43,15 @@ MEANING: Final[dict[LinearFormVerdict, str]] = {
     "unobservable": "no output depends on it, at any order",
     "undecided": "it could not be decided",
 }
-FLOORS: Final[dict[Floor, str]] = {
-    "Q": "the driving noise (Q): without it",
-    "R": "the noise of the outputs (R): with a hundredth of it",
-    "P0": "what was known before (P0): with a hundredth of it",
+MOVES: Final = {
+    "decaying": "dies out by itself",
+    "neutral": "stays as it is",
+    "growing": "grows by itself",
+}
+CHANGES: Final[dict[ChangeKind, str]] = {
+    "output": "measured as well: ",
+    "fix": "with a fix undone: ",
+    "stage": "in another stage: ",
 }
 
 
@@ -55,29 +66,32 @@ def _blocks(result: WhyResult) -> Iterator[Block]:
     if isinstance(finding, Undecided):
         yield VerdictLine("open", plain(f"undecided: {finding.reason}"))
         return
-    yield VerdictLine(_kind(finding.verdict), plain(f"{finding.verdict}: {MEANING[finding.verdict]}"))
+    there = finding.at_values
+    yield _verdict(finding, "for generic values " if isinstance(there, Explanation) else "")
     yield from _reasons(finding)
-    if finding.at_values is not None:
-        yield VerdictLine(*_at_values(finding.at_values))
-    if result.there is not None:
-        yield from _reasons(result.there)
-    yield from _known(result)
+    match there:
+        case Explanation():
+            because = f" because {', '.join(there.because)}" if there.because else ""
+            yield _verdict(there, f"at the file's values (rank {there.rank}{because}) ")
+            if there.verdict != finding.verdict:
+                yield from _reasons(there)
+        case Undecided():
+            yield VerdictLine("info", plain(f"at the file's values: not known, {there.reason}"))
+    yield from number_blocks(result.known)
+
+
+def _verdict(finding: Explanation, where: str) -> VerdictLine:
+    verdict = finding.verdict
+    kind: Kind = KINDS.get(verdict, "open" if verdict == "undecided" else "bad")
+    return VerdictLine(kind, plain(f"{where}{verdict}: {MEANING[verdict]}"))
 
 
 def _reasons(finding: Explanation) -> Iterator[Block]:
+    """Say what shows the target, what hides it, and what would help."""
     yield from _seen(finding)
     yield from _hidden(finding)
     if finding.verdict in {"coupled", "unobservable"}:
         yield from _remedies(finding)
-
-
-def _kind(verdict: LinearFormVerdict) -> Kind:
-    return KINDS.get(verdict, "open" if verdict == "undecided" else "bad")
-
-
-def _at_values(there: Remedy) -> tuple[Kind, Inline]:
-    because = f" ({there.change})" if there.change else ""
-    return _kind(there.becomes), plain(f"at the file's values{because}: {there.becomes}, rank {there.rank}")
 
 
 def _seen(finding: Explanation) -> Iterator[Block]:
@@ -86,19 +100,24 @@ def _seen(finding: Explanation) -> Iterator[Block]:
         output, order = finding.seen_by
         yield Paragraph((Text("First shown by "), Text(output, "name"), Text(_order(order))))
     if finding.combinations:
-        yield Paragraph(plain(f"The outputs show, together with {', '.join(finding.group)}:"))
-        yield _list(
-            [
-                (
-                    combination(one.coefficients, finding.system),
-                    Text(f"  ({one.output}, order {one.order})", "faint"),
-                )
-                for one in finding.combinations
-            ]
-        )
-    if finding.corrections and len(finding.target.coefficients) > 1:
-        yield Paragraph(plain("The smallest change of it that is observable:"))
-        yield _list([(combination(one, finding.system),) for one in finding.corrections])
+        together = f", together with {_names(finding.group)}" if finding.group else ""
+        yield Paragraph(plain(f"The outputs show{together}:"))
+        shown = [(_combination(one.coefficients, finding), one) for one in finding.combinations]
+        shown.sort(key=lambda one: len(one[0][0].text))
+        origins = [f"  ({one.output}, order {one.order})" for _, one in shown]
+        yield from _listed([formula for formula, _ in shown], origins)
+    if finding.corrections and not _is_listed(finding):
+        one_of = "The smallest observable combination with it:"
+        many = "The smallest changes of it that are observable:"
+        yield Paragraph(plain(one_of if len(finding.target.coefficients) == 1 else many))
+        yield from _listed([_combination(one, finding) for one in finding.corrections])
+
+
+def _is_listed(finding: Explanation) -> bool:
+    """Whether a smallest correction is among the combinations of the basis."""
+    supports = [one.coefficients.keys() for one in finding.combinations]
+    single = len(finding.target.coefficients) == 1
+    return single and any(one.keys() == support for one in finding.corrections for support in supports)
 
 
 def _order(order: int) -> str:
@@ -111,65 +130,84 @@ def _hidden(finding: Explanation) -> Iterator[Block]:
         return
     count = counted(len(finding.directions), "direction")
     yield Paragraph(plain(f"It changes along {count} of the state that no output shows:"))
-    yield _list([(direction(one, finding.system),) for one in finding.directions])
-    kinds = dict.fromkeys(f"{mode.kind_there} (eigenvalue {mode.eigenvalue})" for mode in finding.modes)
-    if kinds:
-        yield Paragraph(plain(f"Its hidden error is {', '.join(kinds)}."))
+    shown = [(direction(one, finding.system), one) for one in finding.directions]
+    yield from _listed(sorted(shown, key=lambda one: len(one[0].text)))
+    moves = list(dict.fromkeys(_moves(mode) for mode in finding.modes))
+    if finding.moving:
+        moves.append("moves in a way that depends on time (obscli analyze --only structure follows it)")
+    if moves:
+        yield Paragraph(plain(f"Its hidden error {', or '.join(moves)}."))
+
+
+def _moves(mode: Mode) -> str:
+    """Say how a mode moves: at the file's values where it depends on them."""
+    kind = mode.kind_there if mode.kind == "depends" else mode.kind
+    condition = f"dies out iff {mode.condition}" if mode.condition else "moves by itself"
+    time = time_constant(mode)
+    pace = "" if time is None else f", {'to 1/e' if kind == 'decaying' else 'e-fold'} in {short(time, 3)}"
+    driven = ", driven by others" if mode.chained else ""
+    return f"{MOVES.get(kind, condition)} (eigenvalue {mode.eigenvalue}{pace}{driven})"
 
 
 def _remedies(finding: Explanation) -> Iterator[Block]:
     """Say what would make the target observable."""
-    if not finding.remedies:
+    lines = [_remedy(kind, finding) for kind in CHANGES]
+    if finding.remedies:
+        yield Paragraph(plain(f"It becomes observable (rank {finding.rank} now):"))
+        yield Listing(tuple(line for line in lines if line))
+    else:
         tried = "one more measured state, a fix undone, another stage of the file"
         yield Paragraph(plain(f"No single change makes it observable (tried: {tried})."))
-        return
-    yield Paragraph(plain("It becomes observable:"))
-    lines = [_remedy(kind, finding.remedies) for kind in ("output", "fix", "stage")]
-    yield Listing(tuple(line for line in lines if line))
+    if finding.open:
+        yield Paragraph(plain(f"Not decided: {', '.join(one.change for one in finding.open)}."))
 
 
-def _remedy(kind: str, remedies: Iterable[Remedy]) -> Inline:
-    found = [one for one in remedies if one.kind == kind]
+def _remedy(kind: ChangeKind, finding: Explanation) -> Inline:
+    found = [one for one in finding.remedies if one.kind == kind]
     if not found:
         return ()
-    intro = {"output": "measured as well: ", "fix": "with a fix undone: ", "stage": "in another stage: "}[
-        kind
-    ]
-    parts: list[Text | Math] = [Text(intro)]
-    for k, one in enumerate(found):
+    parts: list[Text | Math] = [Text(CHANGES[kind])]
+    for k, one in enumerate(found[:MOST_NAMES]):
+        itself = " itself" if kind == "output" and one.change == finding.target.name else ""
         parts += [Text(", ")] if k else []
-        parts += [Text(one.change, "name"), Text(f" (rank {one.rank}{'' if one.proved else ', not proved'})")]
+        parts += [Text(one.change, "name"), Text(f"{itself} ({_rank(one)})")]
+    if len(found) > MOST_NAMES:
+        rest = found[MOST_NAMES:]
+        parts.append(Text(f"; tried modulo a prime, not proved: {_names([one.change for one in rest])}"))
     return tuple(parts)
 
 
-def _known(result: WhyResult) -> Iterator[Block]:
-    """Say how well the target is known, what its error goes with, and what limits it."""
-    known = result.known
-    if isinstance(known, NotComputed):
-        yield Note("note", plain(f"no standard deviation: {known.reason}"))
-    if not isinstance(known, Knowledge):
-        return
-    span = f"from {short(known.start, 6)} to {short(known.stop, 6)}"
-    yield Paragraph(
-        plain(f"Standard deviation {span}: {short(known.before, 4)} before, {short(known.after, 4)} after.")
-    )
-    if known.partners:
-        parts = ", ".join(f"{name} ({short(rho, 2)})" for name, rho in known.partners)
-        yield Paragraph(plain(f"At the end its error goes with that of {parts} (correlation)."))
-    if known.floor == "none":
-        yield Paragraph(
-            plain("No single noise limits it: a hundredth of R or P0, or no Q, lowers it little.")
-        )
-    else:
-        lower = short(known.without[known.floor], 2)
-        yield Paragraph(plain(f"It is limited by {FLOORS[known.floor]} it would be {lower} times that."))
-    if known.assumed:
-        yield Note(
-            "note", plain(f"no prior in the file for {', '.join(known.assumed)}: taken as its scale, or 1")
-        )
+def _rank(one: Trial) -> str:
+    return f"rank {one.rank}" if one.proved else f"rank {one.rank} modulo a prime, not proved"
 
 
-def _list(items: list[Inline]) -> Listing:
-    rest = len(items) - MOST
-    more: tuple[Inline, ...] = ((Text(f"and {rest} more", "faint"),),) if rest > 0 else ()
-    return Listing((*items[:MOST], *more))
+def _names(names: Sequence[str]) -> str:
+    shown, rest = names[:MOST_NAMES], len(names) - MOST_NAMES
+    return ", ".join(shown) + (f" and {rest} more" if rest > 0 else "")
+
+
+#: A formula and the states in it.
+_Formula = tuple[Math, Covector]
+
+
+def _combination(covector: Covector, finding: Explanation) -> _Formula:
+    return combination(covector, finding.system), covector
+
+
+def _listed(found: Sequence[_Formula], notes: Sequence[str] = ()) -> Iterator[Block]:
+    """Yield formulas as a list: the first ones, the long ones by their states; all of them as details."""
+    marks: list[Inline] = [(Text(note, "faint"),) for note in notes] or [()] * len(found)
+    full: list[Inline] = [(formula, *mark) for (formula, _), mark in zip(found, marks, strict=True)]
+    brief: list[Inline] = [(_brief(*one), *mark) for one, mark in zip(found[:MOST], marks, strict=False)]
+    rest = len(found) - MOST
+    more = [plain(f"and {rest} more (--details)")] if rest > 0 else []
+    yield Listing((*brief, *more))
+    if full != brief:
+        yield Details((Paragraph(plain("In full:")), Listing(tuple(full))))
+
+
+def _brief(formula: Math, states: Covector) -> Text | Math:
+    """Return the formula, or where it is long the states in it."""
+    if len(formula.text) <= LONGEST:
+        return formula
+    return Text(f"one with {_names(list(states))} (--details)", "faint")
