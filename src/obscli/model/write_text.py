@@ -31,7 +31,8 @@ Entry: TypeAlias = "tuple[str, Value]"
 
 def scalar(text: str) -> str:
     """Return a text that stands for itself anywhere in a YAML file."""
-    if _PLAIN.fullmatch(text) and text not in _NULLS:
+    is_whole = text.count("(") == text.count(")")  # an open one is taken for a piece of an expression
+    if is_whole and _PLAIN.fullmatch(text) and text not in _NULLS:
         return text
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
