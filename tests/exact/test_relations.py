@@ -241,17 +241,12 @@ def test_the_single_channel_by_hand(system):
     """V = V0 + g α0 t + g dOm (e^{at} − 1 − at)/a² + dW (e^{wt} − 1)/w, sorted by functions of time."""
     read = system(SINGLE.format(a_w="0.001"))
     found = relations_of(prove(read, range(5)))
-    written = {
-        (to_text(one.function), one.output): {
-            state: to_text(entry) for state, entry in one.coefficients.items()
-        }
-        for one in found.relations
-    }
-    assert written["1", "y1"] == {"V": "1", "dOm": "-g/a_om**2", "dW": "-1/a_w"}
-    assert written["t", "y1"] == {"alpha": "g", "dOm": "-g/a_om"}
-    assert written["exp(a_om*t)", "y1"] == {"dOm": "g/a_om**2"}
-    assert written["exp(a_w*t)", "y1"] == {"dW": "1/a_w"}
-    assert written["t**2", "y2"] == {"alpha": "g/2", "dOm": "-g/(2*a_om)"}
+    terms = written(found)
+    assert terms["1", "y1"] == {"V": "1", "dOm": "-g/a_om**2", "dW": "-1/a_w"}
+    assert terms["t", "y1"] == {"alpha": "g", "dOm": "-g/a_om"}
+    assert terms["exp(a_om*t)", "y1"] == {"dOm": "g/a_om**2"}
+    assert terms["exp(a_w*t)", "y1"] == {"dW": "1/a_w"}
+    assert terms["t**2", "y2"] == {"alpha": "g/2", "dOm": "-g/(2*a_om)"}
     assert set(found.situations.values()) == {1}
 
 
@@ -353,6 +348,61 @@ def test_an_instant_without_coefficients_is_left_open(system):
     found = relations_of(prove(system("states: [x1, x2]\nA: zeros(2, 2)\nH: [[1, 1/t]]\n"), range(2)))
     assert to_text(found.instant) == "t0"
     assert "1/t0" in {to_text(entry) for one in found.relations for entry in one.coefficients.values()}
+
+
+def test_many_parameters_are_met_column_by_column(system, monkeypatch):
+    """The same relations, whether all columns are taken together or each with its own parameters."""
+    from obscli.exact import relations as module
+
+    read = system(SINGLE.format(a_w="0.001"))
+    together = relations_of(prove(read, range(5)))
+    monkeypatch.setattr(module, "annihilator", refuse)
+    apart = relations_of(prove(read, range(5)))
+    assert written(apart) == written(together)
+    assert apart.situations == together.situations
+
+
+@pytest.mark.parametrize("seed", range(0, 200, 5))
+def test_columns_taken_one_by_one_make_the_same_outputs(system, monkeypatch, seed):
+    from obscli.exact import relations as module
+
+    A, H = known_system(seed)
+    read = system(text_of(A, H))
+    proof = prove(read, range(read.n))
+    together = relations_of(proof)
+    monkeypatch.setattr(module, "annihilator", refuse)
+    assert written(relations_of(proof)) == written(together)
+
+
+def refuse(_):
+    raise UndecidedError("too large")
+
+
+def written(relations):
+    return {
+        (to_text(one.function), one.output): {
+            state: to_text(entry) for state, entry in one.coefficients.items()
+        }
+        for one in relations.relations
+    }
+
+
+@pytest.mark.parametrize("stage", ["rest", "rest_heading"])
+def test_sixteen_states_with_six_rates(stage):
+    read = next(one for one in load(bundled_model("kortunov/sixteen_states")).systems if one.stage == stage)
+    found = relations_of(prove(read, range(16)))
+    names = {}
+    for parameter in read.parameters:
+        names[parameter.name] = value(parameter.nominal, names)
+    A, H = np.zeros((16, 16)), np.zeros((read.m, 16))
+    for matrix, entries in ((A, read.A.entries), (H, read.H.entries)):
+        for place, entry in entries.items():
+            matrix[place] = value(entry, names)
+    expected = H @ expm(3 * A)
+    assert outputs_by_relations(found, read, 3.0, names) == pytest.approx(expected, rel=1e-6, abs=1e-6)
+    functions = {to_text(one.function) for one in found.relations}
+    assert len(functions) == 10
+    assert sum("exp(" in one for one in functions) == 6
 
 
 def test_too_large_is_undecided_and_quick(system):

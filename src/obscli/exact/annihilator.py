@@ -40,19 +40,17 @@ def annihilator(exact: ExactSystem) -> Annihilator:
     ------
     UndecidedError : the system or its coefficients are too large
     """
-    width = len(exact.H) * exact.n
-    echelon = Echelon(exact.field, range(width + exact.n + 1))
+    field, width = exact.field, len(exact.H) * exact.n
+    echelon = Echelon(field, range(width + exact.n + 1))
     blocks: list[tuple[Row, ...]] = []
     for k, block in enumerate(tower(exact)):
         require_small(k * k * width, _MOST_OPERATIONS)
         vector = {i * exact.n + j: entry for i, row in enumerate(block) for j, entry in row.items()}
-        rest = echelon.reduce(polynomial_row(exact.field, {**vector, width + k: exact.field.one}))
+        rest = echelon.reduce(polynomial_row(field, {**vector, width + k: field.one}))
         if min(rest) >= width:
-            tail = [rest.get(width + j) for j in range(k + 1)]
             break
         echelon.insert(echelon.strip(rest))
         blocks.append(block)
-    one = exact.field.one_polynomial
-    lead = Element(exact.field, rest[width + k], one)
-    monic = (exact.field.zero if c is None else Element(exact.field, c, one) / lead for c in tail)
-    return Annihilator(tuple(monic), tuple(blocks))
+    tail = [rest.get(width + j, field.zero.num) for j in range(k + 1)]
+    lead = Element(field, tail[-1], field.one_polynomial)
+    return Annihilator(tuple(Element(field, c, field.one_polynomial) / lead for c in tail), tuple(blocks))

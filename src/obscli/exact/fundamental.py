@@ -20,10 +20,13 @@ from math import perm
 from typing import TYPE_CHECKING, Final, Literal
 
 from obscli.exact.ball import BallPoint, OutsideDomainError, precision
+from obscli.exact.echelon import polynomial_row, reduced_echelon
 from obscli.exact.eigenvalue_text import square_root
+from obscli.exact.field import Element
 from obscli.exact.hurwitz import sign
 from obscli.exact.relation_terms import names_in
 from obscli.exact.relations_finding import Canonical
+from obscli.exact.rows import field_row
 from obscli.model.expression import ONE, Apply, Symbol, divide, multiply, power
 from obscli.model.notation import to_text
 from obscli.model.specialise import at_nominal
@@ -32,7 +35,8 @@ from obscli.model.specialise import at_nominal
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from obscli.exact.field import Element
+    from obscli.exact.exact_system import Row
+    from obscli.exact.field import Field
     from obscli.exact.prove import Proof
     from obscli.exact.spectrum import Factor
     from obscli.model.expression import Expression
@@ -75,6 +79,21 @@ def fundamental_system(proof: Proof, factors: Sequence[Factor]) -> FundamentalSy
             forms = [Symbol(name) for name in canonical[-1].names]
         functions += _with_powers(proof, factor, forms, length)
     return FundamentalSystem(tuple(functions), tuple(canonical), tuple(notes))
+
+
+def inverse_at_zero(field: Field, functions: Sequence[Fundamental]) -> list[Row]:
+    """Return the inverse of the matrix with the k-th derivatives at 0 in its k-th row; fewer rows: none."""
+    d = len(functions)
+    rows = []
+    for k in range(d):
+        row = {j: one.derivatives[k] for j, one in enumerate(functions) if one.derivatives[k]}
+        rows.append(polynomial_row(field, {**row, d + k: field.one}))
+    inverse: list[Row] = []
+    for pivot, found in sorted(reduced_echelon(field, rows, range(2 * d)).items()):
+        if pivot < d:
+            lead = Element(field, found[pivot], field.one_polynomial)
+            inverse.append({k - d: entry / lead for k, entry in field_row(field, found).items() if k >= d})
+    return inverse
 
 
 def _with_powers(

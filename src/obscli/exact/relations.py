@@ -19,13 +19,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from obscli.exact.annihilator import annihilator
-from obscli.exact.echelon import polynomial_row, reduced_echelon
+from obscli.exact.column_relations import relations_by_columns
 from obscli.exact.errors import JetOverflowError, UndecidedError
 from obscli.exact.exact_system import more_jets
-from obscli.exact.field import Element
-from obscli.exact.fundamental import fundamental_system
+from obscli.exact.fundamental import fundamental_system, inverse_at_zero
 from obscli.exact.prove import Proof, prove_read
-from obscli.exact.relation_terms import Term, related, require_same_space, situations
+from obscli.exact.relation_terms import Term, related
 from obscli.exact.relations_finding import Relations
 from obscli.exact.rows import field_row
 from obscli.exact.series_relations import series_relations
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from obscli.exact.exact_system import Row
-    from obscli.exact.field import Field
+    from obscli.exact.field import Element, Field
     from obscli.exact.fundamental import Fundamental, FundamentalSystem
 
 
@@ -56,19 +55,31 @@ def relations_of(proof: Proof) -> Relations:
 
 def _exact_relations(proof: Proof) -> Relations:
     exact = proof.exact
-    field, names = exact.field, exact.system.state_names
-    found = annihilator(exact)
-    basis, weights = _basis(proof, found.coefficients)
-    terms = related(field, names, proof.restorer, _terms(proof, basis.functions, weights, found.blocks))
-    kernel = (field_row(field, column) for column in proof.kernel.columns.values())
-    require_same_space(field, terms.span, kernel, proof.rank)
+    field = exact.field
+    basis, rows = _all_at_once(proof)
+    kernel = [field_row(field, column) for column in proof.kernel.columns.values()]
+    given = _terms(proof, basis.functions, rows)
+    terms = related(field, exact.system.state_names, proof.restorer, given, kernel, proof.rank)
     return Relations(
         exact=True,
         relations=terms.relations,
-        situations=situations(names, terms.span),
+        situations=terms.situations,
         canonical=basis.canonical,
         notes=basis.notes,
     )
+
+
+def _all_at_once(proof: Proof) -> tuple[FundamentalSystem, Sequence[Sequence[Row]]]:
+    """Return the functions and, for each, the rows of D_j = Σ_k X_jk H A^k, X the inverse of the f_j^(k)(0).
+
+    Where the coefficients of all columns together are too large, the columns are taken one by one.
+    """
+    try:
+        found = annihilator(proof.exact)
+        basis, weights = _basis(proof, found.coefficients)
+        return basis, [_combined(proof.exact.field, weight, found.blocks) for weight in weights]
+    except UndecidedError:
+        return relations_by_columns(proof)
 
 
 def _basis(proof: Proof, coefficients: Sequence[Element]) -> tuple[FundamentalSystem, list[Row]]:
@@ -79,37 +90,26 @@ def _basis(proof: Proof, coefficients: Sequence[Element]) -> tuple[FundamentalSy
     field = proof.exact.field
     for formally in (True, False):
         basis = fundamental_system(proof, factors(field, coefficients, formally=formally))
-        weights = _inverse(field, basis.functions)
+        weights = inverse_at_zero(field, basis.functions)
         if len(weights) == len(basis.functions):
             return basis, weights
     raise UndecidedError("the functions of time that the outputs consist of were not told apart")
 
 
-def _terms(
-    proof: Proof, functions: Sequence[Fundamental], weights: Sequence[Row], blocks: Sequence[Sequence[Row]]
-) -> Iterator[Term]:
-    """Yield the rows of D_j = Σ_k X_jk H A^k, X the inverse of the f_j^(k)(0)."""
-    field, outputs = proof.exact.field, proof.exact.system.outputs
-    for function, weight in zip(functions, weights, strict=True):
-        for i, output in enumerate(outputs):
-            total: dict[int, Element] = {}
-            for k, factor in weight.items():
-                for j, entry in blocks[k][i].items():
-                    total[j] = total.get(j, field.zero) + factor * entry
-            row = {j: entry for j, entry in total.items() if entry}
+def _combined(field: Field, weights: Row, blocks: Sequence[Sequence[Row]]) -> list[Row]:
+    """Return Σ_k X_k H A^k by rows."""
+    rows: list[Row] = []
+    for i in range(len(blocks[0])):
+        total: dict[int, Element] = {}
+        for k, weight in weights.items():
+            for j, entry in blocks[k][i].items():
+                total[j] = total.get(j, field.zero) + weight * entry
+        rows.append({j: entry for j, entry in total.items() if entry})
+    return rows
+
+
+def _terms(proof: Proof, functions: Sequence[Fundamental], rows: Sequence[Sequence[Row]]) -> Iterator[Term]:
+    outputs = proof.exact.system.outputs
+    for function, D in zip(functions, rows, strict=True):
+        for output, row in zip(outputs, D, strict=True):
             yield Term(function.expression, output.name, row)
-
-
-def _inverse(field: Field, functions: Sequence[Fundamental]) -> list[Row]:
-    """Return the inverse of the matrix with the k-th derivatives at 0 in its k-th row; fewer rows: none."""
-    d = len(functions)
-    rows = []
-    for k in range(d):
-        row = {j: one.derivatives[k] for j, one in enumerate(functions) if one.derivatives[k]}
-        rows.append(polynomial_row(field, {**row, d + k: field.one}))
-    inverse: list[Row] = []
-    for pivot, found in sorted(reduced_echelon(field, rows, range(2 * d)).items()):
-        if pivot < d:
-            lead = Element(field, found[pivot], field.one_polynomial)
-            inverse.append({k - d: entry / lead for k, entry in field_row(field, found).items() if k >= d})
-    return inverse

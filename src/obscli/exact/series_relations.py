@@ -14,9 +14,8 @@ from math import factorial
 from typing import TYPE_CHECKING, Final
 
 from obscli.exact.at_instant import AtInstant
-from obscli.exact.echelon import polynomial_row, reduced_echelon
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
-from obscli.exact.relation_terms import Term, names_in, related, require_same_space, situations
+from obscli.exact.relation_terms import Term, modulo, names_in, related
 from obscli.exact.relations_finding import Relations
 from obscli.exact.restore import Restorer
 from obscli.exact.rows import field_row
@@ -74,11 +73,10 @@ def _at_any_instant(proof: Proof) -> Relations:
     exact, states = proof.exact, proof.exact.system.state_names
     instant = Symbol(_name_of_instant(exact.system))
     blocks = list(islice(tower(exact), proof.order + 1))
-    terms = related(exact.field, states, _AtSymbol(proof, instant), _terms(exact.system, instant, blocks))
-    kernel = (field_row(exact.field, column) for column in proof.kernel.columns.values())
-    require_same_space(exact.field, terms.span, kernel, proof.rank)
-    found = situations(states, terms.span)
-    return Relations(exact=False, relations=terms.relations, situations=found, instant=instant)
+    kernel = [field_row(exact.field, column) for column in proof.kernel.columns.values()]
+    given = _terms(exact.system, instant, blocks)
+    terms = related(exact.field, states, _AtSymbol(proof, instant), given, kernel, proof.rank)
+    return Relations(exact=False, relations=terms.relations, situations=terms.situations, instant=instant)
 
 
 def _at_instant(proof: Proof, instant: Expression, generic: Relations) -> Relations:
@@ -96,11 +94,11 @@ def _at_instant(proof: Proof, instant: Expression, generic: Relations) -> Relati
         blocks.append(tuple(there.row(row) for row in block))
         if len(blocks) > proof.order and _rank(there, blocks, exact.n) == proof.rank:
             break
+    kernel = [there.row(field_row(exact.field, column)) for column in proof.kernel.columns.values()]
+    given = _terms(system, instant, blocks)
     writer = Restorer(there.interpreter)
-    terms = related(there.field, system.state_names, writer, _terms(system, instant, blocks))
-    kernel = (there.row(field_row(exact.field, column)) for column in proof.kernel.columns.values())
-    require_same_space(there.field, terms.span, kernel, proof.rank)
-    found = situations(system.state_names, terms.span)
+    terms = related(there.field, system.state_names, writer, given, kernel, proof.rank)
+    found = terms.situations
     differing = tuple(state for state, one in found.items() if one != generic.situations[state])
     return Relations(
         exact=False, relations=terms.relations, situations=found, instant=instant, differing=differing
@@ -108,8 +106,8 @@ def _at_instant(proof: Proof, instant: Expression, generic: Relations) -> Relati
 
 
 def _rank(there: AtInstant, blocks: Sequence[Sequence[Row]], n: int) -> int:
-    rows = [polynomial_row(there.field, row) for block in blocks for row in block if row]
-    return len(reduced_echelon(there.field, rows, range(n)))
+    rank: int = modulo(there.field, [row for block in blocks for row in block if row], n).rank()
+    return rank
 
 
 def _terms(system: System, instant: Expression, blocks: Sequence[Sequence[Row]]) -> Iterator[Term]:

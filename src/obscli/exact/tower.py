@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from obscli.exact.exact_system import ExactSystem, Row
     from obscli.exact.field import Element
 
-#: The squares of the numbers of terms in all blocks may add up to this; it takes about a second.
-_MOST_WORK: Final = 10_000_000
+#: The squares of the numbers of terms in all blocks may add up to this; it takes a second or two.
+_MOST_WORK: Final = 30_000_000
 
 
 def tower(exact: ExactSystem) -> Iterator[tuple[Row, ...]]:
@@ -36,6 +36,19 @@ def tower(exact: ExactSystem) -> Iterator[tuple[Row, ...]]:
         work += sum(_size(entry) for row in level for entry in row.values())
         require_small(work, _MOST_WORK)
         level = tuple(_next(exact, row) for row in level)
+
+
+class Blocks:
+    """The blocks L_k of a system by k, each found when it is asked for."""
+
+    def __init__(self, exact: ExactSystem) -> None:
+        self._rest = tower(exact)
+        self._known: list[tuple[Row, ...]] = []
+
+    def __getitem__(self, k: int) -> tuple[Row, ...]:
+        while len(self._known) <= k:
+            self._known.append(next(self._rest))
+        return self._known[k]
 
 
 def _next(exact: ExactSystem, row: Row) -> Row:
