@@ -17,6 +17,8 @@ from obscli.exact.analysis import Options, analyze
 from obscli.model.expression import add, multiply, number
 from obscli.model.reader import load, read_text
 from obscli.model.system import Quantity
+from obscli.numeric.analysis import analyze as gramian
+from obscli.numeric.settings import Settings
 from obscli.pipelines.request import CalibrateRequest
 
 
@@ -53,7 +55,11 @@ def _say_what_is_true(results):
 
 @pytest.mark.parametrize("system", _systems())
 def test_the_claims_of_every_bundled_model_hold(system):
-    _say_what_is_true(check_claims(system, analyze(system, FAST)))
+    """By algebra alone; what it leaves open, since hidden errors move with time, by their multipliers."""
+    results = check_claims(system, analyze(system, FAST))
+    if [r for r in results if r.verdict == "undecided" and "depends on time" in r.reason]:
+        results = check_claims(system, analyze(system, FAST), look=lambda s: gramian(s, Settings()))
+    _say_what_is_true(results)
 
 
 @pytest.mark.parametrize("file", EXPERIMENTS)
