@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import eigh
 
 from obscli.model.reader import read_text
 from obscli.numeric.errors import NotComputableError
@@ -91,3 +93,45 @@ def test_states_without_a_prior_are_named():
 def test_what_cannot_be_checked_is_said(noise, reason):
     with pytest.raises(NotComputableError, match=reason):
         checked(f"states: [x]\nA: [[0]]\nH: [[1]]\n{noise}", 0, 1)
+
+
+@pytest.mark.parametrize("step", [0.1, 1, 3, 20])
+def test_driving_noise_does_not_depend_on_the_steps(step):
+    """P' = -2P + 2 + ... of x' = -x + w, unmeasured, from 4: P = 1 + 3 e^(-2t); and a drive that varies."""
+    text = (
+        "states: [x, z, y]\ndynamics: {x: -x, z: -3*z, y: -y}\nmeasurements: {m: y}\n"
+        "G: [[1, 0], [0, sin(5*t)], [0, 0]]\n"
+        f"noise: {{R: 1, Q: [[2, 0], [0, 6]], P0_std: 2, step: {step}}}\n"
+    )
+    found = checked(text, 0, 40)
+    t = np.array(found.instants)
+    assert np.square(found.deviations["x"]) == pytest.approx(1 + 3 * np.exp(-2 * t), rel=1e-5)
+    driven = 0.5 - (6 * np.cos(10 * t) + 10 * np.sin(10 * t)) * 3 / 136
+    expected = driven + (4 - driven[0]) * np.exp(-6 * t)
+    assert np.square(found.deviations["z"]) == pytest.approx(expected, rel=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_two_never_come_closer_than_hidden_errors_shrink(seed):
+    """P4 - P1 >= 3 Phi n n' Phi', whatever R, Q and the correlations of P0."""
+    source = np.random.default_rng(seed)
+    root = source.normal(size=(3, 3))
+    P0, Q = root @ root.T, np.diag(source.uniform(0, 1, 3)) * (seed % 2)
+    text = (
+        "states: [y, a, b]\ndynamics: {y: -y, a: -a/5 + sin(t)*b + y, b: a/9}\nmeasurements: {z: y}\n"
+        f"noise: {{R: 0.3, Q: {Q.tolist()}, P0: {((P0 + P0.T) / 2).tolist()}, step: 0.25}}\n"
+    )
+    found = checked(text, 0, 6)
+    metric = np.linalg.inv(P0)[1:, 1:]  # lengths of what is hidden, n P0⁻¹ n
+    after = solve_ivp(
+        lambda t, x: (np.array([[-0.2, np.sin(t)], [1 / 9, 0]]) @ x.reshape(2, 2)).ravel(),
+        (0, 6), np.eye(2).ravel(), t_eval=found.instants, rtol=1e-10, atol=1e-12,
+    ).y.T.reshape(-1, 2, 2)  # fmt: skip
+    for phi, apart in zip(after[1:], found.apart[1:], strict=True):
+        assert apart >= np.sqrt(eigh(phi.T @ metric @ phi, metric, eigvals_only=True)[-1]) * (1 - 1e-6)
+
+
+def test_covariances_beyond_all_numbers_are_refused():
+    text = "states: [x, y]\ndynamics: {x: 5*x, y: -y}\nmeasurements: {z: y}\nnoise: {R: 1, P0_std: 1}\n"
+    with pytest.raises(NotComputableError, match="beyond all numbers"):
+        checked(text, 0, 600)

@@ -2,9 +2,12 @@
 
     P(t) from P0 and from 4 P0:    detectable  ⟹  ‖P₄ − P₁‖ → 0
 
-in units of P0's deviations. The covariance is carried as a square root, P = L Lᵀ, from sample to sample:
+in units in which P0 = I. Whatever the noise, P₄ − P₁ ≥ 3 Φ n nᵀ Φᵀ for unobservable n with nᵀ P0⁻¹ n = 1
+(dP/dc = M_c P0 M_cᵀ, M_c n = Φ n, from c P0): the two never come closer than hidden errors shrink.
 
-    (Φ L   M) = (L⁻  0) Q',   M Mᵀ the driving noise of the step
+The covariance is carried as a square root, P = L Lᵀ, from sample to sample:
+
+    (Φ L   M) = (L⁻  0) Q',   M Mᵀ = ∫ Φ G Q Gᵀ Φᵀ the driving noise of the step, by Gauss–Legendre
     (R^½  H L⁻)      (*  0  )
     (0      L⁻) = Q' (*  L⁺ )     by columns
 
@@ -15,18 +18,21 @@ M. S. Grewal, A. P. Andrews, Kalman Filtering (2008), 6.5 (square-root filters).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from obscli.model.system import System
+from obscli.numeric.collocation import gauss_legendre
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.finding import CrossCheck
 from obscli.numeric.hidden_motion import transitions, units_of
 from obscli.numeric.noise import NoiseModel, noise_model
 from obscli.numeric.numeric_system import NumericSystem, constants_of
-from obscli.numeric.program import Array, constant_value
-from obscli.numeric.rates import rates_of
+from obscli.numeric.program import Array, Program, constant_value
+from obscli.numeric.rates import argument_derivatives, rates_of
 from obscli.numeric.settings import Effort
 from obscli.numeric.transition import edges_of, longest_step
 
@@ -36,6 +42,11 @@ _SAMPLES: Final = 400
 _MOST: Final = 20_000
 _STEP_ERROR: Final = 1e-12
 _PROBES: Final = 18
+
+#: At so many instants driving noise enters within a panel, in which G turns by so many radians at the most.
+_NODES: Final = 5
+_MOST_PHASE: Final = 1.0
+
 _WIDER: Final = 4.0
 
 #: How many instants are shown, the first and the last among them.
@@ -56,7 +67,6 @@ def cross_check(system: System, start: float, stop: float) -> CrossCheck:
     P0, assumed = prior_of(system, noise)
     first: Array = np.asarray(np.linalg.cholesky(P0), dtype=float)
     found = [covariances(noise, start, instants, step, factor * first) for factor in (1.0, _WIDER**0.5)]
-    units = np.sqrt(np.diag(P0))
     times = np.concatenate([[start], instants])
     shown = np.unique(np.round(np.linspace(0, len(instants), _SHOWN)).astype(int))
     narrow, wide = ([found[i][k] for k in shown] for i in (0, 1))
@@ -64,7 +74,7 @@ def cross_check(system: System, start: float, stop: float) -> CrossCheck:
         tuple(float(times[k]) for k in shown),
         _by_state(system, narrow),
         _by_state(system, wide),
-        tuple(_apart(a, b, units) for a, b in zip(narrow, wide, strict=True)),
+        tuple(_apart(a, b, first) for a, b in zip(narrow, wide, strict=True)),
         assumed,
     )
 
@@ -98,19 +108,53 @@ def covariances(noise: NoiseModel, start: float, instants: Array, step: float, r
     outputs = system.matrices(np.concatenate([[start], instants]))[1]
     whitened = noise.whitening @ outputs * np.sqrt(step)
     rates = rates_of(system, np.linspace(start, instants[-1], _PROBES)[1:-1])
-    edges = edges_of(start, instants, longest_step(rates), _MOST)
+    longest = min(longest_step(rates), _MOST_PHASE / max(_driving_rate(noise, instants), 1e-300))
+    edges = edges_of(start, instants, longest, _MOST)
+    entering = _entering(noise, edges)
+    edges = np.union1d(edges, list(entering))
     root = _updated(root, whitened[0])
-    found, before = [root], start
-    for phi, end in transitions(system, edges, Effort(_STEP_ERROR, _MOST)):
+    found = [root]
+    for phi, end in transitions(system, edges, Effort(_STEP_ERROR, _MOST * (_NODES + 1))):
         root = np.asarray(np.linalg.solve(phi, root), dtype=float)
-        if noise.drive is not None:
-            L = np.sqrt((end - before) / 2) * noise.driving(np.array([before, end]))
-            root = _lower(np.concatenate([root, np.linalg.solve(phi, L[0]), L[1]], axis=1))
-        before = end
+        if end in entering:
+            root = _lower(np.concatenate([root, entering[end]], axis=1))
         if end == instants[len(found) - 1]:
             root = _updated(root, whitened[len(found)])
             found.append(root)
-    return [one @ one.T for one in found]
+    return _squared(found, np.concatenate([[start], instants]))
+
+
+def _driving_rate(noise: NoiseModel, instants: Array) -> float:
+    """Return how fast arguments of sin, cos, … in G vary, as seen at some instants."""
+    system = noise.system.system
+    if noise.drive is None or system.G is None:
+        return 0.0
+    derivatives = argument_derivatives(replace(system, A=system.G))
+    found = Program(derivatives).run(noise.system.values(instants, {}))
+    return max((float(np.abs(one).max()) for one in found), default=0.0)
+
+
+def _entering(noise: NoiseModel, edges: Array) -> dict[float, Array]:
+    """Return the instants at which driving noise enters, and square roots of how much: √w_j G Q^½."""
+    if noise.drive is None:
+        return {}
+    rule = gauss_legendre(_NODES)
+    h = np.diff(edges)
+    t = (edges[:-1, None] + h[:, None] * rule.nodes).ravel()
+    sizes = np.sqrt(h[:, None] * rule.weights).ravel()
+    return dict(zip(t.tolist(), sizes[:, None, None] * noise.driving(t), strict=True))
+
+
+def _squared(roots: Sequence[Array], instants: Array) -> list[Array]:
+    """Return L Lᵀ of each."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = [one @ one.T for one in roots]
+    for P, t in zip(found, instants, strict=True):
+        if not np.isfinite(P).all():
+            raise NotComputableError(
+                f"the covariance is beyond all numbers at {t:.6g}: choose a shorter interval (--to)"
+            )
+    return found
 
 
 def _updated(root: Array, rows: Array) -> Array:
@@ -131,7 +175,9 @@ def _by_state(system: System, covariances: list[Array]) -> dict[str, tuple[float
     return {name: tuple(map(float, deviations[:, j])) for j, name in enumerate(system.state_names)}
 
 
-def _apart(narrow: Array, wide: Array, units: Array) -> float:
-    difference = (wide - narrow) / units / units[:, None]
+def _apart(narrow: Array, wide: Array, first: Array) -> float:
+    """Return how far covariances are apart where P0 = L₀ L₀ᵀ is I, 1 for P0 and 4 P0."""
+    inverse = np.linalg.inv(first)
+    difference = inverse @ (wide - narrow) @ inverse.T
     largest = float(np.linalg.eigvalsh((difference + difference.T) / 2)[-1])
     return float(np.sqrt(max(largest, 0.0) / (_WIDER - 1)))
