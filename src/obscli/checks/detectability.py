@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import inf, log
 from typing import Final, Literal, TypeAlias
 
 from obscli.core.number import counted, plain, short
@@ -85,15 +86,22 @@ def _by_multipliers(motion: HiddenMotion) -> tuple[DetectabilityVerdict, str]:
 def _by_gains(motion: HiddenMotion) -> tuple[DetectabilityVerdict, str]:
     """Judge the factors by which hidden errors change on a window (they may change again after it)."""
     largest = motion.gains[0]
-    error = motion.error * largest
-    factor = f"the largest factor is {short(largest, 4)}"
+    factor = f"the largest factor is {factor_text(motion, 0, 4)}"
     if largest <= SHRUNK:
         return "detectable", f"every hidden error shrinks; {factor}"
-    if largest + error < 1:
+    if largest * (1 + motion.error) < 1:
         return "undecided", f"hidden errors shrink, but the window is too short to say more; {factor}"
-    if largest - error > 1:
+    if largest * (1 - motion.error) > 1:
         return "not detectable", f"a hidden error grows, and no output shows it; {factor}"
     return "not detectable", f"a hidden error keeps its size, and no output shows it; {factor}"
+
+
+def factor_text(motion: HiddenMotion, k: int, digits: int) -> str:
+    """Return one of the factors as text, also where no number is so large or so small."""
+    gain = motion.gains[k]
+    if gain and gain < inf:
+        return short(gain, digits)
+    return f"10^{motion.exponents[k] * (motion.stop - motion.start) / log(10):.0f}"
 
 
 def structure_words(structure: Structure) -> str:

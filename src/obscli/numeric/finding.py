@@ -118,33 +118,70 @@ class EchelonFinding:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class FloquetMode:
+    """One Floquet multiplier μ of the hidden motion over a period P.
+
+    Parameters
+    ----------
+    multiplier : μ, at the most the largest number there is
+    exponent : ln μ / P, its imaginary part up to multiples of 2π/P
+    error : of μ, relative
+    kind : ``neutral`` where |μ| cannot be told from 1
+    direction : at the start of the period, by state in the file's units; of a pair of complex μ the first has
+        the real part, the second the imaginary part
+    """
+
+    multiplier: complex
+    exponent: complex
+    error: float
+    kind: Literal["decaying", "neutral", "growing"]
+    direction: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class HiddenMotion:
     """What becomes of the unobservable errors from ``start`` to ``stop``.
 
     Parameters
     ----------
-    gains : singular values γ of the transition on the unobservable subspace, the largest first
+    gains : singular values γ of the transition on the unobservable subspace, the largest first; 0 or
+        infinite where there is no number so small or so large
+    exponents : ln γ/(stop − start), always finite
+    errors : of the gains, relative to each
     directions : at the start, one for each gain, by state in the file's units
-    error : of the gains, relative to the largest
-    multipliers : eigenvalues of the transition, the largest first: over a period the Floquet multipliers
-    multiplier_error : of the multipliers
+    floquet : where the window is a period, its multipliers, the largest first
     """
 
     start: float
     stop: float
     gains: tuple[float, ...]
+    exponents: tuple[float, ...]
+    errors: tuple[float, ...]
     directions: tuple[Mapping[str, float], ...]
-    error: float
-    multipliers: tuple[complex, ...]
-    multiplier_error: float
+    floquet: tuple[FloquetMode, ...] = ()
+
+    @property
+    def error(self) -> float:
+        """The error of the largest gain, relative."""
+        return self.errors[0]
+
+    @property
+    def multipliers(self) -> tuple[complex, ...]:
+        """The Floquet multipliers, the largest first; none where the window is no period."""
+        return tuple(one.multiplier for one in self.floquet)
+
+    @property
+    def multiplier_error(self) -> float:
+        """The largest error of a Floquet multiplier."""
+        return max((abs(one.multiplier) * one.error for one in self.floquet), default=0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CrossCheck:
     """Deviations by state from P0 and from 4 P0 at some instants, and how far the two are apart.
 
-    ``apart``: the square root of the largest eigenvalue of P₄ − P₁ in units of the prior's deviations, 1 at
-    the start; ``assumed``: states without a prior in the file, taken with the deviation ``scale``, or 1.
+    ``apart``: the square root of the largest eigenvalue of P₄ − P₁ where P0 = I, 1 before the first
+    output; ``assumed``: states without a prior in the file, taken with the deviation ``scale``, or 1.
     """
 
     instants: tuple[float, ...]
@@ -154,8 +191,8 @@ class CrossCheck:
     assumed: tuple[str, ...]
 
 
-#: What limits a deviation: driving noise, noise of the outputs, the prior, or none of them alone.
-Floor: TypeAlias = Literal["Q", "R", "P0", "none"]
+#: What limits a deviation most: driving noise, noise of the outputs, the prior.
+Floor: TypeAlias = Literal["Q", "R", "P0"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

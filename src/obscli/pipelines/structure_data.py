@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from math import inf, log
 from typing import Final
 
 from obscli.checks.detectability import Detectability, time_constant
 from obscli.core.number import json_number
 from obscli.exact.finding import Analysis, StateVerdict
 from obscli.exact.structure_finding import Mode, Structure
-from obscli.numeric.finding import CrossCheck, HiddenMotion, NotComputed
+from obscli.numeric.finding import HiddenMotion, NotComputed
 from obscli.pipelines.certificate_data import covector_to_data
+from obscli.pipelines.describe.hidden_motion import said_by_riccati
 from obscli.pipelines.relations_data import relations_data
 from obscli.pipelines.stage_result import StageResult
 
@@ -36,7 +36,7 @@ def structure_data(result: StageResult) -> dict[str, object] | None:
         "inputs": structure.inputs,
         "situations": {state: SITUATIONS[verdict] for state, verdict in finding.states.items()},
         "at_values": None if there is None else {**_structure(there.of), **_verdict(there)},
-        "cross_check": cross_check_data(result.cross_check),
+        "cross_check": cross_check_data(result),
         "relations": None if finding.relations is None else relations_data(finding.relations, finding.system),
         "critical": [
             {"where": one.condition, **_structure(one.structure), "verdict": one.structure.verdict}
@@ -63,8 +63,7 @@ def _verdict(found: Detectability) -> dict[str, object]:
 
 
 def _motion(motion: HiddenMotion) -> dict[str, object]:
-    """Return the factors by which hidden errors change over a window, and exponents ln γ/(t1 − t0)."""
-    length = motion.stop - motion.start
+    """Return the factors by which hidden errors change over a window, and what a period does to them."""
     return {
         "start": motion.start,
         "stop": motion.stop,
@@ -72,28 +71,41 @@ def _motion(motion: HiddenMotion) -> dict[str, object]:
         "modes": [
             {
                 "gain": json_number(gain),
-                "exponent": json_number(_exponent(gain, length)),
+                "exponent": json_number(exponent),
+                "error": json_number(error),
                 "direction": dict(one),
             }
-            for gain, one in zip(motion.gains, motion.directions, strict=True)
+            for gain, exponent, error, one in zip(
+                motion.gains, motion.exponents, motion.errors, motion.directions, strict=True
+            )
+        ],
+        "floquet": [
+            {
+                "multiplier": [one.multiplier.real, one.multiplier.imag],
+                "exponent": [one.exponent.real, one.exponent.imag],
+                "kind": one.kind,
+                "error": one.error,
+                "direction": dict(one.direction),
+            }
+            for one in motion.floquet
         ],
         "multipliers": [[one.real, one.imag] for one in motion.multipliers],
         "multiplier_error": json_number(motion.multiplier_error),
     }
 
 
-def _exponent(gain: float, length: float) -> float:
-    return log(gain) / length if gain else -inf
-
-
-def cross_check_data(found: CrossCheck | NotComputed | None) -> dict[str, object] | None:
-    """Return the deviations from two priors at some instants, and how far apart the covariances are."""
+def cross_check_data(result: StageResult) -> dict[str, object] | None:
+    """Return deviations from two priors at some instants, how far apart they are, and what that says."""
+    found = result.cross_check
     match found:
         case None:
             return None
         case NotComputed(reason):
             return {"reason": reason}
+    word = said_by_riccati(result)
     return {
+        "says": None if word is None else word.word,
+        "words": None if word is None else word.words,
         "t": list(found.instants),
         "apart": [json_number(one) for one in found.apart],
         "standard_deviation": {name: list(values) for name, values in found.deviations.items()},
