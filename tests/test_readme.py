@@ -22,7 +22,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
 # The pages, and how many commands each shows at least.
-PAGES = {"README.md": 11, "docs/verification.md": 5, "docs/calibration.md": 6}
+PAGES = {"README.md": 13, "docs/verification.md": 5, "docs/calibration.md": 6, "docs/structure.md": 7}
 CONSOLE = re.compile(r"```console\n(.*?)```", re.DOTALL)
 PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
 YAML = re.compile(r"```yaml\n(.*?)```", re.DOTALL)
@@ -187,6 +187,29 @@ def test_every_field_of_the_json_is_explained(folder):
         found = json.loads(run(f"obscli {command} docs/figures/leaning_table.yaml --format json", folder))
         missing = {key for key in _keys(found, elsewhere, named) if not re.search(rf"`(\w+\.)*{key}`", page)}
         assert not missing
+
+
+def test_every_field_of_the_json_of_the_structure_is_explained(folder):
+    """Every key of ``structure``, ``why`` and ``transform``, but for names of the file and formulas."""
+    page = (ROOT / "docs/structure.md").read_text(encoding="utf-8")
+    elsewhere = {
+        "relations", "direction", "standard_deviation", "standard_deviation_from_4P0", "situations", "coefficients",
+        "A", "H", "B", "G", "back", "checks", "directions", "combinations", "correction", "states", "without",
+    }  # fmt: skip
+    missing = set()
+    for part, command in {
+        "structure": "analyze models/kortunov/single_channel.yaml --only structure --cross-check --details",
+        "why": "why models/kortunov/single_channel.yaml dW",
+        "transform": "transform models/kortunov/single_channel.yaml --to kalman",
+    }.items():
+        found = json.loads(run(f"obscli {command} --format json", folder))["results"][0][part]
+        missing |= {key for key in _keys(found, elsewhere, set()) if not re.search(rf"`(\w+\.)*{key}`", page)}
+    periodic = json.loads(
+        run("obscli analyze models/textbook/wu.yaml --only structure --format json", folder)
+    )
+    found = periodic["results"][0]["structure"]
+    missing |= {key for key in _keys(found, elsewhere, set()) if not re.search(rf"`(\w+\.)*{key}`", page)}
+    assert not missing
 
 
 def _keys(value, elsewhere, named):

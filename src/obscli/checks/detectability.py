@@ -96,6 +96,13 @@ def _by_gains(motion: HiddenMotion) -> tuple[DetectabilityVerdict, str]:
     return "not detectable", f"a hidden error keeps its size, and no output shows it; {factor}"
 
 
+def kind_of(logarithm: float, error: float) -> Literal["decaying", "neutral", "growing"]:
+    """Return whether a factor γ is below 1, not to be told from 1, or above, given ln γ and its error."""
+    if abs(logarithm) <= error:
+        return "neutral"
+    return "decaying" if logarithm < 0 else "growing"
+
+
 def factor_text(motion: HiddenMotion, k: int, digits: int) -> str:
     """Return one of the factors as text, also where no number is so large or so small."""
     gain = motion.gains[k]

@@ -158,9 +158,7 @@ def cross_checked(
         return NotComputed(str(error))
 
 
-def known(
-    model: Model, system: System, target: Covector, request: NumericRequest
-) -> Knowledge | NotComputed:
+def known(model: Model, system: System, target: Covector, request: NumericRequest) -> Knowledge | NotComputed:
     """Return how well a linear form in the states is known at the end of the interval, or why not.
 
     Raises

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
-from obscli.checks.detectability import Detectability, time_constant
+from obscli.checks.detectability import Detectability, kind_of, time_constant
 from obscli.core.number import json_number
 from obscli.exact.finding import Analysis, StateVerdict
 from obscli.exact.structure_finding import Mode, Structure
@@ -32,10 +33,13 @@ def structure_data(result: StageResult) -> dict[str, object] | None:
     return {
         **_structure(structure),
         **_verdict(found),
+        "modes": _modes(structure, found),
         "kalman": None if structure.kalman is None else {"dimensions": list(structure.kalman)},
         "inputs": structure.inputs,
         "situations": {state: SITUATIONS[verdict] for state, verdict in finding.states.items()},
-        "at_values": None if there is None else {**_structure(there.of), **_verdict(there)},
+        "at_values": None
+        if there is None
+        else {**_structure(there.of), **_verdict(there), "modes": _modes(there.of, there)},
         "cross_check": cross_check_data(result),
         "relations": None if finding.relations is None else relations_data(finding.relations, finding.system),
         "critical": [
@@ -51,6 +55,27 @@ def _structure(structure: Structure) -> dict[str, object]:
         "modes": [mode_data(mode) for mode in structure.modes],
         "condition": structure.condition,
     }
+
+
+def _modes(structure: Structure, found: Detectability) -> list[dict[str, object]]:
+    """Return the modes: those of A22 where it is constant, else of a period, else of the window."""
+    motion = found.motion
+    if structure.modes or motion is None:
+        return [mode_data(mode) for mode in structure.modes]
+    if motion.floquet:
+        return [
+            _followed([one.exponent.real, one.exponent.imag], one.kind, one.direction)
+            for one in motion.floquet
+        ]
+    factors = zip(motion.exponents, motion.errors, motion.directions, strict=True)
+    length = motion.stop - motion.start
+    return [
+        _followed([exponent, 0.0], kind_of(exponent * length, error), one) for exponent, error, one in factors
+    ]
+
+
+def _followed(exponent: list[float], kind: str, direction: Mapping[str, float]) -> dict[str, object]:
+    return {"exponent": exponent, "kind": kind, "direction": dict(direction), "states": list(direction)}
 
 
 def _verdict(found: Detectability) -> dict[str, object]:
