@@ -232,6 +232,14 @@ def test_eigenvalues_are_written_as_an_engineer_writes_them(system):
         "-1 ±i*2".replace("±i", "± i")
     }
     assert {m.eigenvalue for m in hidden(system, "w: 2", "h2", "2*h1").modes} == {"±sqrt(2)"}
+    assert {m.eigenvalue for m in hidden(system, "w: 2", "h2", "-h1").modes} == {"±i"}
+    assert {m.eigenvalue for m in hidden(system, "w: 2", "cos(w)*h2", "-cos(w)*h1").modes} == {"±i*cos(w)"}
+    cubic = structure_of(system(
+        "parameters: {a: 1, b: 2, c: 3}\nstates: [y, h1, h2, h3]\n"
+        "dynamics: {y: -y, h1: h2, h2: h3, h3: -a*h1 - b*h2 - c*h3}\nmeasurements: {z: y}\n"
+    ))  # fmt: skip
+    assert {m.eigenvalue for m in cubic.modes} == {"roots of s**3 + c*s**2 + b*s + a"}
+    assert cubic.condition == "c > 0 and a - b*c < 0 and a > 0"
 
 
 @pytest.mark.parametrize("seed", range(20))

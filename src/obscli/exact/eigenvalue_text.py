@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from obscli.exact.field import Element
 from obscli.exact.hurwitz import sign
 from obscli.exact.polynomial import factored, times
-from obscli.model.expression import Power, Symbol, add, multiply, power
+from obscli.model.expression import Power, Sum, Symbol, multiply, negate, power
 from obscli.model.notation import to_text
 
 
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 _HALF = Fraction(1, 2)
 
+#: Longer polynomials are not printed.
+_LONGEST = 6
+
 
 def eigenvalue_text(proof: Proof, factor: Factor) -> str:
     """Return the roots of an irreducible factor as text."""
@@ -29,10 +32,12 @@ def eigenvalue_text(proof: Proof, factor: Factor) -> str:
         return to_text(proof.restorer.element(-q[0]))
     if factor.degree == 2:
         return _pair(proof, q[1], q[0])
+    if factor.degree > _LONGEST:
+        return f"roots of a polynomial of degree {factor.degree}"
     terms = [
         multiply(proof.restorer.element(c), power(Symbol("s"), k)) for k, c in reversed([*enumerate(q)]) if c
     ]
-    return f"roots of {to_text(add(*terms))}"
+    return f"roots of {to_text(Sum(tuple(terms)))}"
 
 
 def _pair(proof: Proof, b: Element, c: Element) -> str:
@@ -41,9 +46,11 @@ def _pair(proof: Proof, b: Element, c: Element) -> str:
     half = b * field.rational(_HALF)
     square = half * half - c
     imaginary = sign(proof, square) == -1
-    size = to_text(square_root(proof, -square if imaginary else square))
-    middle = f"{to_text(proof.restorer.element(-half))} " if half else ""
-    return f"{middle}±{' ' if middle else ''}{'i*' if imaginary else ''}{size}"
+    root = square_root(proof, -square if imaginary else square)
+    text = to_text(root)
+    size = min(text, to_text(negate(root)), key=len)  # of the two signs the one without a minus
+    part = ("i" if size == "1" else f"i*{size}") if imaginary else size
+    return f"{to_text(proof.restorer.element(-half))} ± {part}" if half else f"±{part}"
 
 
 def square_root(proof: Proof, square: Element) -> Expression:
