@@ -20,6 +20,7 @@ QUICK = {
     "growth.py": ["--runs", "1"],
     "gramian.py": ["--runs", "3"],
     "calibration.py": ["--runs", "3"],
+    "structure.py": ["--runs", "3"],
     "peers.py": ["--runs", "1", "--reduce-limit", "0"],
 }
 TITLES = {
@@ -27,6 +28,7 @@ TITLES = {
     "growth.py": "Growth",
     "gramian.py": "The Gramian: INS calibration stage 2",
     "calibration.py": "Experiments: six runs, 24 candidates, 8 IMUs",
+    "structure.py": "Structure: smaller models, explanations",
     "peers.py": "Side by side: INS calibration stage 1",
     "witness.py": "The generators, checked by modular power series",
 }

@@ -1,0 +1,64 @@
+"""Structure: transform, why and the section of analyze, in fresh processes.
+
+python benchmarks/structure.py [--runs 5]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from measure import OBSCLI, Run, fresh, median, peak, spread, table
+
+
+STAGE_1 = ["models/ins_calibration/horizontal.yaml", "--stage", "stage_1"]
+CONSTANT_ERRORS = "models/kortunov/sixteen_states_case_3.yaml"
+LIMIT = 60
+
+#: What is measured, with its target.
+COMMANDS = {
+    "transform --to observable, INS stage 1": (["transform", *STAGE_1, "--to", "observable"], "2 s CPU"),
+    "transform --to kalman, INS stage 1": (["transform", *STAGE_1, "--to", "kalman"], "–"),
+    "transform --to observable, 16 states, constant errors": (
+        ["transform", CONSTANT_ERRORS, "--to", "observable", "--stage", "velocity_position"],
+        "–",
+    ),
+    "analyze --only structure, INS stage 1": (["analyze", *STAGE_1, "--only", "structure"], "–"),
+    "why b_g3, INS stage 1": (["why", STAGE_1[0], "b_g3", *STAGE_1[1:]], "–"),
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Structure in fresh processes.")
+    parser.add_argument("--runs", type=int, default=5)
+    given = parser.parse_args()
+    rows = [
+        _row(name, [OBSCLI, *words, "--format", "json"], given.runs, target)
+        for name, (words, target) in COMMANDS.items()
+    ]
+    print(table(["what", "CPU s", "min–max", "MB", "limit", "answer"], rows))
+
+
+def _row(name: str, command: list[str], count: int, target: str) -> list[str]:
+    fresh(command, LIMIT)  # unmeasured: compiles modules, fills file caches
+    runs = [fresh(command, LIMIT) for _ in range(count)]
+    if runs[-1].trouble:
+        return [name, *["–"] * 4, runs[-1].trouble]
+    spent = spread([run.cpu for run in runs])
+    return [name, f"{median(runs):.2f}", spent, f"{peak(runs):.0f}", target, _answer(runs[-1])]
+
+
+def _answer(run: Run) -> str:
+    result = json.loads(run.out)["results"][0]
+    if "transform" in result:
+        made = result["transform"]
+        return f"{made['n']} states, {sum(one['verdict'] == 'holds' for one in made['checks'])} checks hold"
+    if "why" in result:
+        told = result["why"]
+        return f"{told['verdict']}, {len(told['conditions'])} remedies"
+    found = result["structure"]
+    return f"{found['unobservable_dimension']} hidden, {found['verdict']}"
+
+
+if __name__ == "__main__":
+    main()
