@@ -217,3 +217,16 @@ def test_width_follows_columns(obscli, stages, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
 
     assert max(len(line) for line in obscli("analyze", stages, "--details").out.splitlines()) <= 80
+
+
+def test_a_window_verdict_tells_its_sample_motion(obscli, tmp_path):
+    file = tmp_path / "open.yaml"
+    file.write_text(
+        "states: [y, h]\nfunctions: [f]\ndynamics: {y: -y, h: -(1 + f^2)*h}\nmeasurements: {z: y}\n"
+        "interval: {stop: 5}\n"
+    )
+    found = json.loads(obscli("analyze", file, "--only", "structure", "--format", "json").out)
+    structure = found["results"][0]["structure"]
+    assert structure["scope"] == "this window, 0 to 5, with a sample motion for f"
+    assert structure["verdict"] == "detectable"
+    assert [(one["kind"], one["states"]) for one in structure["modes"]] == [("decaying", ["h"])]

@@ -137,7 +137,9 @@ def looked_at(
         )
     except NotComputableError as error:
         return replace(found, words=f"{found.words}, and it cannot be followed: {error}")
-    return seen_detectability(structure, motion)
+    seen = seen_detectability(structure, motion)
+    left_open = ", ".join(one.name for one in system.functions if one.derivative is None)
+    return replace(seen, scope=f"{seen.scope}, with a sample motion for {left_open}") if left_open else seen
 
 
 def cross_checked(
