@@ -9,6 +9,7 @@ from obscli.exact.analysis import Options, analyze
 from obscli.model.covector import parse_scalar
 from obscli.model.expression import multiply
 from obscli.model.reader import read_text
+from obscli.model.specialise import at_nominal
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.hidden_motion import hidden_motion
 
@@ -246,3 +247,17 @@ def test_a_double_multiplier_on_the_unit_circle_is_neutral_within_an_error_like_
 
 def test_the_multipliers_of_a_window_that_is_no_period_are_not_given():
     assert moved(hidden(WU), 0, 1).multipliers == ()
+
+
+@pytest.mark.parametrize(("a", "gamma"), [("-0.01", 0.367879), ("0", 1.0), ("0.01", 2.718282)])
+def test_the_factor_of_the_single_channel_over_100_seconds_is_that_of_its_mode(a, gamma):
+    """Kortunov & Proskura 2006, both rates equal: exp(100 a), whatever else the channel does."""
+    system = read_text(
+        f"parameters: {{g: 9.8, a: {a}}}\nstates: [alpha, V, R, dOm, dW]\n"
+        "dynamics: {alpha: dOm, V: g*alpha + dW, R: V, dOm: a*dOm, dW: a*dW}\n"
+        "measurements: {velocity: V, position: R}\n",
+        "channel.yaml",
+    ).systems[0]
+    special = at_nominal(system).system()
+    directions = analyze(special, Options(critical=False, certificate=False)).unobservable
+    assert hidden_motion(special, directions, 0, 100).gains == pytest.approx([gamma], abs=5e-7)
