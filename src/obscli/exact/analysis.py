@@ -12,7 +12,6 @@ from obscli.exact.critical import search_candidates, search_critical_values
 from obscli.exact.echelon import PolyRow
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.exact_system import read_system
-from obscli.exact.field import Element
 from obscli.exact.finding import Analysis, Combination, CriticalSearch, Neglect, Undecided
 from obscli.exact.nominal import rank_at_values
 from obscli.exact.nonzero import first_nonzero
@@ -20,7 +19,7 @@ from obscli.exact.origin import first_rows
 from obscli.exact.prove import Proof, certificate, prove
 from obscli.exact.relations import relations_of
 from obscli.exact.relations_finding import Relations
-from obscli.exact.rows import dot
+from obscli.exact.rows import dot, rate_of
 from obscli.exact.saturation import saturate
 from obscli.exact.structure import structure_of
 from obscli.exact.verdicts import groups, quantity_verdict, state_verdicts
@@ -179,13 +178,7 @@ def _combinations(proof: Proof, rows: list[PolyRow]) -> tuple[Combination, ...]:
 
 def _is_constant(proof: Proof, covector: Covector) -> bool:
     """Whether ξ' + ξA = 0, so that the combination keeps its value along every solution."""
-    exact = proof.exact
-    row = exact.row(covector)
-    total: dict[int, Element] = {j: exact.field.derive(element) for j, element in row.items()}
-    for i, element in row.items():
-        for j, entry in exact.A[i].items():
-            total[j] = total.get(j, exact.field.zero) + element * entry
-    return not any(total.values())
+    return not rate_of(proof.exact, proof.exact.row(covector))
 
 
 def _varying(proof: Proof) -> tuple[str, ...]:

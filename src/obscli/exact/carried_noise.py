@@ -14,9 +14,8 @@ from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.exact_system import ExactSystem, read_system
 from obscli.exact.field import Element
 from obscli.exact.hidden_dynamics import is_constant
-from obscli.exact.kalman_parts import combined
 from obscli.exact.reduced import Coordinates, Rows
-from obscli.exact.rows import dot
+from obscli.exact.rows import combined, dot
 from obscli.model.expression import Expression, add, is_zero, multiply, power
 from obscli.model.system import Matrix, Noise, System
 from obscli.model.variables import free_name

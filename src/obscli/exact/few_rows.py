@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from obscli.exact.rows import rate_of
+
 
 if TYPE_CHECKING:
     from obscli.exact.exact_system import ExactSystem, Row
@@ -32,18 +34,8 @@ def most_rows(exact: ExactSystem, order: int) -> int:
         rest = _reduced(exact, row, echelon)
         if rest:
             echelon[min(rest)] = rest
-    inside = sum(not _reduced(exact, _derivative(exact, row), echelon) for row in exact.H)
+    inside = sum(not _reduced(exact, rate_of(exact, row), echelon) for row in exact.H)
     return len(exact.H) + order * (len(exact.H) - inside)
-
-
-def _derivative(exact: ExactSystem, row: Row) -> dict[int, Element]:
-    """Return l' + l A."""
-    field = exact.field
-    total = {j: field.derive(entry) for j, entry in row.items()}
-    for i, entry in row.items():
-        for j, a in exact.A[i].items():
-            total[j] = total.get(j, field.zero) + entry * a
-    return {j: entry for j, entry in total.items() if entry}
 
 
 def _reduced(exact: ExactSystem, row: Row, echelon: dict[int, dict[int, Element]]) -> dict[int, Element]:

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from obscli.exact.field import Element
-from obscli.exact.rows import dot, field_row
+from obscli.exact.rows import dot, field_row, transpose
 
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def constant_part(field: Field, dynamics: HiddenDynamics) -> HiddenDynamics:
     The largest set of columns of A22 that are constant and zero in the rows of all other columns: solutions
     that start there stay there.
     """
-    columns = _transposed(dynamics.matrix)
+    columns = transpose(dynamics.matrix, len(dynamics.matrix))
     kept = {k for k, column in enumerate(columns) if is_constant(field, column)}
     while True:
         closed = {k for k in kept if columns[k].keys() <= kept}
@@ -74,11 +74,7 @@ def constant_part(field: Field, dynamics: HiddenDynamics) -> HiddenDynamics:
 
 def transposed(dynamics: HiddenDynamics) -> HiddenDynamics:
     """Return the same with A22 transposed: its closed columns are free states that move by themselves."""
-    return replace(dynamics, matrix=_transposed(dynamics.matrix))
-
-
-def _transposed(matrix: tuple[Row, ...]) -> tuple[Row, ...]:
-    return tuple({i: row[k] for i, row in enumerate(matrix) if k in row} for k in range(len(matrix)))
+    return replace(dynamics, matrix=transpose(dynamics.matrix, len(dynamics.matrix)))
 
 
 def _by_free_states(proof: Proof) -> HiddenDynamics:

@@ -20,11 +20,11 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from obscli.exact.echelon import polynomial_row
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
-from obscli.exact.kalman_parts import columns_of, combined, four_parts, inverse_rows, reach, two_parts
+from obscli.exact.kalman_parts import columns_of, four_parts, inverse_rows, reach, two_parts
 from obscli.exact.missing import MissingError, RefineError
 from obscli.exact.prove import Proof, prove
-from obscli.exact.reachable import InputMatrix, Inputs, input_rows, inputs_of, transposed
-from obscli.exact.rows import drift
+from obscli.exact.reachable import InputMatrix, Inputs, input_rows, inputs_of
+from obscli.exact.rows import combined, drift, transpose
 from obscli.model.system import Covector, System
 
 
@@ -157,7 +157,7 @@ def _with_inputs(proof: Proof, inputs: Inputs) -> Proof:
 def _decomposed(proof: Proof, inputs: Inputs | None, parts: Sequence[Part]) -> Kalman:
     exact, names = proof.exact, proof.exact.system.state_names
     inverse, columns, variables = _as_printed(proof, inverse_rows(proof, parts), columns_of(proof, parts))
-    T = transposed(columns, exact.n)
+    T = transpose(columns, exact.n)
     A, H = _product(exact, inverse, _moved(exact, columns)), _product(exact, exact.H, T)
     B = None if inputs is None else _product(exact, inverse, input_rows(exact, inputs))
     sizes = tuple(map(len, parts))
@@ -197,7 +197,7 @@ def _as_printed(
 def _moved(exact: ExactSystem, columns: Sequence[Row]) -> tuple[Row, ...]:
     """Return A T − T' by rows."""
     moved = ({i: -entry for i, entry in drift(exact, column).items()} for column in columns)
-    return transposed(moved, exact.n)
+    return transpose(moved, exact.n)
 
 
 def _product(exact: ExactSystem, left: Sequence[Row], right: Sequence[Row]) -> tuple[Row, ...]:

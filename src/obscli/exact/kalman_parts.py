@@ -19,14 +19,13 @@ from obscli.exact.echelon import polynomial_row, reduced_echelon
 from obscli.exact.field import Element
 from obscli.exact.nonzero import require_nonzero
 from obscli.exact.reachable import Inputs, reachable_rows
-from obscli.exact.rows import dot, field_row
+from obscli.exact.rows import combined, dot, field_row
 
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from obscli.exact.exact_system import Row
-    from obscli.exact.field import Field
     from obscli.exact.prove import Proof
 
 #: Vectors of one part by their pivots in the coordinates (z, x_f), 1 there.
@@ -112,12 +111,3 @@ def inverse_rows(proof: Proof, parts: Sequence[Part]) -> list[Row]:
         others = [(-vector[j], first[p]) for p, vector in vectors.items() if p != j and j in vector]
         found.append(combined(field, [(field.one, first[j]), *others]))
     return found
-
-
-def combined(field: Field, terms: Iterable[tuple[Element, Row]]) -> dict[int, Element]:
-    """Return Σ c v, without zeros."""
-    total: dict[int, Element] = {}
-    for factor, row in terms:
-        for j, entry in row.items():
-            total[j] = total.get(j, field.zero) + factor * entry
-    return {j: entry for j, entry in total.items() if entry}

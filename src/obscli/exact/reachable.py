@@ -19,14 +19,13 @@ from obscli.exact.field import Element
 from obscli.exact.kernel import invariant_kernel, kernel_columns
 from obscli.exact.lower import prove_lower_bound
 from obscli.exact.nonzero import require_nonzero
+from obscli.exact.rows import transpose
 from obscli.exact.saturation import saturate
 from obscli.model.expression import negate
 from obscli.model.system import Matrix, Output, System
 
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
     from obscli.exact.echelon import PolyRow
     from obscli.exact.exact_system import Row
 
@@ -112,14 +111,5 @@ def input_rows(exact: ExactSystem, inputs: Inputs) -> tuple[Row, ...]:
 
 def _dual(exact: ExactSystem, inputs: Inputs) -> ExactSystem:
     minus = ({j: -entry for j, entry in row.items()} for row in exact.A)
-    A, H = transposed(minus, exact.n), transposed(input_rows(exact, inputs), inputs.matrix.columns)
+    A, H = transpose(minus, exact.n), transpose(input_rows(exact, inputs), inputs.matrix.columns)
     return ExactSystem(dual_system(exact.system, inputs), exact.interpreter, A, H)
-
-
-def transposed(rows: Iterable[Mapping[int, Element]], columns: int) -> tuple[Row, ...]:
-    """Return the transpose of a matrix of so many columns, as sparse rows."""
-    result: list[dict[int, Element]] = [{} for _ in range(columns)]
-    for i, row in enumerate(rows):
-        for j, entry in row.items():
-            result[j][i] = entry
-    return tuple(result)

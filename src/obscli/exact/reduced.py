@@ -20,9 +20,8 @@ from obscli.exact.echelon import polynomial_row, reduced_echelon
 from obscli.exact.errors import JetOverflowError, UndecidedError
 from obscli.exact.exact_system import ExactSystem, more_jets, read_system
 from obscli.exact.field import Element
-from obscli.exact.kalman_parts import combined
 from obscli.exact.restore import Restorer
-from obscli.exact.rows import field_row
+from obscli.exact.rows import combined, field_row, rate_of
 from obscli.model.expression import Apply, Expression, Number, Pi, Power, Product, Sum, divide
 from obscli.model.notation import to_text
 from obscli.model.system import Covector, Matrix, Quantity, System
@@ -217,9 +216,3 @@ def factors_of(expression: Expression) -> Iterator[Expression]:
             return
         case _:
             yield expression
-
-
-def rate_of(exact: ExactSystem, row: Row) -> dict[int, Element]:
-    """Return l' + l A, the rate of change of a linear form l x."""
-    moving = {j: derivative for j, e in row.items() if (derivative := exact.field.derive(e))}
-    return combined(exact.field, [(exact.field.one, moving), *((e, exact.A[i]) for i, e in row.items())])

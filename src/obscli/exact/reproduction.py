@@ -14,9 +14,7 @@ from typing import TYPE_CHECKING
 
 from obscli.exact.errors import JetOverflowError
 from obscli.exact.exact_system import ExactSystem, more_jets, read_system
-from obscli.exact.kalman_parts import combined
-from obscli.exact.reduced import rate_of
-from obscli.exact.rows import dot
+from obscli.exact.rows import combined, dot, rate_of
 from obscli.model.expression import Expression
 
 

@@ -1,4 +1,4 @@
-"""Rows and columns over the field: made of polynomials, multiplied; the drift of a direction."""
+"""Rows and columns over the field: made of polynomials, multiplied, added; how forms and directions move."""
 
 from __future__ import annotations
 
@@ -8,9 +8,17 @@ from obscli.exact.field import Element
 
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
     from obscli.exact.echelon import PolyRow
     from obscli.exact.exact_system import ExactSystem, Row
     from obscli.exact.field import Field
+
+
+def rate_of(exact: ExactSystem, row: Row) -> dict[int, Element]:
+    """Return l' + l A, the rate of change of a linear form l x."""
+    moving = {j: derivative for j, e in row.items() if (derivative := exact.field.derive(e))}
+    return combined(exact.field, [(exact.field.one, moving), *((e, exact.A[i]) for i, e in row.items())])
 
 
 def drift(exact: ExactSystem, column: Row) -> dict[int, Element]:
@@ -42,3 +50,21 @@ def dot(field: Field, row: Row, column: Row) -> Element:
 def field_row(field: Field, row: PolyRow) -> dict[int, Element]:
     """Return a row of polynomials as a row of field elements."""
     return {j: Element(field, entry, field.one_polynomial) for j, entry in row.items()}
+
+
+def combined(field: Field, terms: Iterable[tuple[Element, Row]]) -> dict[int, Element]:
+    """Return Σ c v, without zeros."""
+    total: dict[int, Element] = {}
+    for factor, row in terms:
+        for j, entry in row.items():
+            total[j] = total.get(j, field.zero) + factor * entry
+    return {j: entry for j, entry in total.items() if entry}
+
+
+def transpose(rows: Iterable[Mapping[int, Element]], columns: int) -> tuple[Row, ...]:
+    """Return the transpose of a matrix of so many columns, as sparse rows."""
+    result: list[dict[int, Element]] = [{} for _ in range(columns)]
+    for i, row in enumerate(rows):
+        for j, entry in row.items():
+            result[j][i] = entry
+    return tuple(result)

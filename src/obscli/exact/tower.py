@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from obscli.exact.polynomial import require_small
+from obscli.exact.rows import rate_of
 
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def tower(exact: ExactSystem) -> Iterator[tuple[Row, ...]]:
         yield level
         work += sum(_size(entry) for row in level for entry in row.values())
         require_small(work, most)
-        level = tuple(_next(exact, row) for row in level)
+        level = tuple(rate_of(exact, row) for row in level)
 
 
 class Blocks:
@@ -52,16 +53,6 @@ class Blocks:
         while len(self._known) <= k:
             self._known.append(next(self._rest))
         return self._known[k]
-
-
-def _next(exact: ExactSystem, row: Row) -> Row:
-    """Return l' + l A."""
-    field = exact.field
-    total: dict[int, Element] = {j: field.derive(entry) for j, entry in row.items()} if exact.varies else {}
-    for i, entry in row.items():
-        for j, other in exact.A[i].items():
-            total[j] = total.get(j, field.zero) + entry * other
-    return {j: entry for j, entry in total.items() if entry}
 
 
 def _size(entry: Element) -> int:
