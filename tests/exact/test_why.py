@@ -9,8 +9,8 @@ import pytest
 from obscli.exact.analysis import analyze
 from obscli.exact.exact_system import read_system
 from obscli.exact.finding import Undecided
-from obscli.exact.saturation import saturate
-from obscli.exact.trials import rank_modulo_a_prime, try_change, verdict_in
+from obscli.exact.saturation import rank_modulo_a_prime, saturate
+from obscli.exact.trials import try_change, verdict_in
 from obscli.exact.why import LIGHT, explain
 from obscli.model.covector import parse_covector
 from obscli.model.expression import ONE, ZERO
@@ -130,7 +130,7 @@ def test_a_trial_modulo_a_prime_says_what_the_proof_says(seed):
         light, proved = (try_change("", "stage", other, target, prove_it=prove) for prove in (False, True))
         verdict, rank_there = verdict_in(other, target)
         assert (light.becomes == "observable") == (verdict == "observable")
-        assert light.rank == proved.rank == rank_there == rank_modulo_a_prime(other)
+        assert light.rank == proved.rank == rank_there == rank_modulo_a_prime(read_system(other))
         assert (light.proved, proved.proved) == (False, verdict == "observable")
 
 

@@ -163,7 +163,7 @@ def _is_multiple(proof: Proof, rate: tuple[Element, int], name: str) -> bool:
     if name not in field.index or max(len(element.num), len(element.den)) > 1:
         return False
     ratio = element / field.generator(name) ** k
-    return ratio.num.is_constant() and ratio.den.is_constant()
+    return ratio.rational is not None
 
 
 def _float(ball: arb) -> float:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import reduce as fold
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
@@ -22,8 +23,6 @@ from obscli.exact.polynomial import MOST_PAIRS, MOST_TERMS, common_factor, requi
 
 
 if TYPE_CHECKING:
-    from fractions import Fraction
-
     from obscli.exact.polynomial import Polynomial
     from obscli.model.expression import Expression
 
@@ -121,6 +120,13 @@ class Element:
             if exponent:
                 square = square * square
         return result
+
+    @property
+    def rational(self) -> Fraction | None:
+        """The element as a rational number, None where it is none."""
+        if not (self.num.is_constant() and self.den.is_constant()):
+            return None
+        return Fraction(int(self.num.leading_coefficient()), int(self.den.leading_coefficient()))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Element):

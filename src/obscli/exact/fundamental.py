@@ -19,7 +19,7 @@ from fractions import Fraction
 from math import perm
 from typing import TYPE_CHECKING, Final, Literal
 
-from obscli.exact.ball import BallPoint, OutsideDomainError, precision
+from obscli.exact.ball import precision
 from obscli.exact.echelon import polynomial_row, reduced_echelon
 from obscli.exact.eigenvalue_text import square_root
 from obscli.exact.field import Element
@@ -27,9 +27,9 @@ from obscli.exact.hurwitz import sign
 from obscli.exact.relation_terms import names_in
 from obscli.exact.relations_finding import Canonical
 from obscli.exact.rows import field_row
+from obscli.exact.there import balls_there
 from obscli.model.expression import ONE, Apply, Symbol, divide, multiply, power
 from obscli.model.notation import to_text
-from obscli.model.specialise import at_nominal
 
 
 if TYPE_CHECKING:
@@ -164,14 +164,11 @@ def _either_sign(proof: Proof, square: Element, turns: Literal[-1, 0, 1] | None)
 
 def _sign_there(proof: Proof, element: Element) -> Literal[-1, 1] | None:
     """Return the sign of a constant at the file's values; None: a value is missing, or it is zero."""
-    interpreter = proof.exact.interpreter
-    nominal = at_nominal(interpreter.system)
-    expression = nominal.expression(interpreter.element_expression(element))
     with precision(_BITS, 1):
-        try:
-            ball = BallPoint(nominal.system(), {}, 1).value(expression)[0]
-        except (OutsideDomainError, KeyError):
-            return None
+        balls = balls_there(proof.exact.interpreter, [element])
+    if balls is None:
+        return None
+    [ball] = balls
     return 1 if ball > 0 else -1 if ball < 0 else None
 
 

@@ -16,7 +16,6 @@ F. R. Gantmacher, The Theory of Matrices II (1959), ch. XV.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 from math import lcm
 from typing import TYPE_CHECKING, Final, Literal, cast
 
@@ -26,9 +25,9 @@ from obscli.exact.ball import BallPoint, OutsideDomainError, precision
 from obscli.exact.field import Element
 from obscli.exact.polynomial import factored, times
 from obscli.exact.roots import evident_sign, sign_of
+from obscli.exact.there import balls_there
 from obscli.model.expression import symbols
 from obscli.model.notation import to_text
-from obscli.model.specialise import at_nominal
 
 
 if TYPE_CHECKING:
@@ -184,12 +183,9 @@ def has_parameters(proof: Proof, elements: Sequence[Element]) -> bool:
 
 def _rational(q: Sequence[Element]) -> list[int] | None:
     """Return a polynomial with rational coefficients times their common denominator, else None."""
-    if not all(c.num.is_constant() and c.den.is_constant() for c in q):
+    values = [value for c in q if (value := c.rational) is not None]
+    if len(values) < len(q):
         return None
-    values = [
-        Fraction(int(c.num.leading_coefficient()), int(c.den.leading_coefficient())) if c else Fraction(0)
-        for c in q
-    ]
     scale = lcm(*(value.denominator for value in values))
     return [int(value * scale) for value in values]
 
@@ -232,13 +228,10 @@ def roots_there(proof: Proof, factor: Factor) -> tuple[tuple[complex, ...], Mode
 
 def _balls(proof: Proof, q: Sequence[Element]) -> list[tuple[arb, arb]]:
     """Return enclosures of the roots of a polynomial at the file's values, none where they are not found."""
-    interpreter = proof.exact.interpreter
-    nominal = at_nominal(interpreter.system)
-    expressions = [nominal.expression(interpreter.element_expression(c)) for c in q]
     with precision(_BITS[1], 1):
+        balls = balls_there(proof.exact.interpreter, q)
         try:
-            point = BallPoint(nominal.system(), {}, 1)
-            roots = acb_poly([point.value(e)[0] for e in expressions]).roots(tol=_TOLERANCE)
-        except (OutsideDomainError, KeyError, ValueError):
+            roots = [] if balls is None else acb_poly(balls).roots(tol=_TOLERANCE)
+        except ValueError:
             return []
     return [(root.real, root.imag) for root in roots]

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 from obscli.exact.distance import near_misses
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
-from obscli.exact.exact_system import more_jets, read_system
+from obscli.exact.exact_system import read_system
 from obscli.exact.finding import AtValues, CriticalSearch
 from obscli.exact.interpreter import Interpreter
 from obscli.exact.lower import prove_lower_bound
 from obscli.exact.prove import Proof, certificate, prove, prove_read
-from obscli.exact.saturation import saturate
+from obscli.exact.saturation import rank_modulo_a_prime
 from obscli.model.expression import Symbol
 from obscli.model.notation import to_text
 from obscli.model.specialise import Specialisation, at_nominal
@@ -26,7 +26,6 @@ from obscli.model.specialise import Specialisation, at_nominal
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from obscli.exact.exact_system import ExactSystem
     from obscli.model.expression import Expression
     from obscli.model.system import Parameter, System
 
@@ -113,15 +112,6 @@ def _rank_is(system: System, values: Mapping[str, Expression], rank: int) -> boo
     """Whether that is proved; a higher rank shows modulo a prime, with no elimination."""
     try:
         exact = read_system(Specialisation(system, values).system())
-        return _least_rank(exact) <= rank and prove_read(exact, range(system.n), ()).rank == rank
+        return rank_modulo_a_prime(exact) <= rank and prove_read(exact, range(system.n), ()).rank == rank
     except (UndecidedError, UndefinedError):
         return False
-
-
-def _least_rank(exact: ExactSystem) -> int:
-    """Return the rank modulo a prime, which the rank is not below."""
-    while True:
-        try:
-            return saturate(exact).rank
-        except JetOverflowError:
-            exact = more_jets(exact)

@@ -11,9 +11,9 @@ from functools import reduce as fold
 from math import gcd, lcm, pi
 from typing import TYPE_CHECKING
 
-from obscli.exact.ball import BallPoint, OutsideDomainError, precision
+from obscli.exact.ball import precision
 from obscli.exact.hidden_dynamics import occurring, rate
-from obscli.model.specialise import at_nominal
+from obscli.exact.there import balls_there
 
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def period(proof: Proof) -> float | None:
     known = [one for one in rates if one is not None]
     if not known or len(known) < len(rates):
         return None
-    ratios = [_rational(one / known[0]) for one in known]
+    ratios = [(one / known[0]).rational for one in known]
     first = _value(proof, known[0])
     if first is None or any(ratio is None for ratio in ratios):
         return None
@@ -44,17 +44,7 @@ def _multiple(ratios: list[Fraction]) -> Fraction:
     return Fraction(lcm(*(r.denominator for r in ratios)), fold(gcd, (abs(r.numerator) for r in ratios)))
 
 
-def _rational(element: Element) -> Fraction | None:
-    if not (element.num.is_constant() and element.den.is_constant()):
-        return None
-    return Fraction(int(element.num.leading_coefficient()), int(element.den.leading_coefficient()))
-
-
 def _value(proof: Proof, element: Element) -> float | None:
-    nominal = at_nominal(proof.exact.system)
-    expression = nominal.expression(proof.exact.interpreter.element_expression(element))
     with precision(_BITS, 1):
-        try:
-            return float(BallPoint(nominal.system(), {}, 1).value(expression)[0].mid())
-        except (OutsideDomainError, KeyError):
-            return None
+        balls = balls_there(proof.exact.interpreter, [element])
+        return None if balls is None else float(balls[0].mid())

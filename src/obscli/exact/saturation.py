@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 
 from flint import nmod_mat, nmod_poly
 
-from obscli.exact.errors import UndecidedError
+from obscli.exact.errors import JetOverflowError, UndecidedError
+from obscli.exact.exact_system import more_jets
 from obscli.exact.series import PRIME, BadPointError, SeriesPoint
 
 
@@ -55,6 +56,22 @@ def saturate(
             length *= 2
         except BadPointError:
             seed += 1
+
+
+def rank_modulo_a_prime(exact: ExactSystem) -> int:
+    """Return the rank of L at a random point modulo a prime, which the rank is not below.
+
+    The system is read again with more derivatives of its functions where they run out.
+
+    Raises
+    ------
+    UndecidedError : more derivatives would be needed than are tried
+    """
+    while True:
+        try:
+            return saturate(exact).rank
+        except JetOverflowError:
+            exact = more_jets(exact)
 
 
 def independent_values(

@@ -15,10 +15,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
-from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
-from obscli.exact.exact_system import more_jets, read_system
+from obscli.exact.errors import UndecidedError, UndefinedError
+from obscli.exact.exact_system import read_system
 from obscli.exact.prove import Proof, prove
-from obscli.exact.saturation import saturate
+from obscli.exact.saturation import rank_modulo_a_prime
 from obscli.exact.verdicts import groups, quantity_verdict
 from obscli.model.expression import ONE
 from obscli.model.measured import with_output
@@ -74,8 +74,8 @@ def try_change(
     prove_it : prove the verdict where it is ``observable``
     """
     try:
-        rank = rank_modulo_a_prime(system)
-        if rank_modulo_a_prime(with_output(system, target.coefficients)) > rank:
+        rank = rank_modulo_a_prime(read_system(system))
+        if rank_modulo_a_prime(read_system(with_output(system, target.coefficients))) > rank:
             return Trial(change, kind, "coupled", rank, proved=False)
     except (UndecidedError, UndefinedError):
         return Trial(change, kind, "undecided", None, proved=False)
@@ -87,21 +87,6 @@ def try_change(
     except (UndecidedError, UndefinedError):
         return tried
     return replace(tried, becomes=verdict, rank=rank, proved=verdict != "undecided")
-
-
-def rank_modulo_a_prime(system: System) -> int:
-    """Return the rank of L at a random point modulo a prime: the generic rank, but for bad luck.
-
-    Raises
-    ------
-    UndecidedError, UndefinedError : where the system cannot be read
-    """
-    exact = read_system(system)
-    while True:
-        try:
-            return saturate(exact).rank
-        except JetOverflowError:
-            exact = more_jets(exact)
 
 
 def verdict_in(system: System, target: Quantity) -> tuple[LinearFormVerdict, int]:
