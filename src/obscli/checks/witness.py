@@ -13,7 +13,7 @@ from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
-from obscli.checks.detectability import seen_detectability
+from obscli.checks.followed import followed, is_followable
 from obscli.core.check import Indicator
 from obscli.core.number import counted, short
 from obscli.exact.structure_finding import Structure
@@ -21,7 +21,6 @@ from obscli.model.system import Covector
 from obscli.numeric.analysis import Numeric
 from obscli.numeric.echelon import echelon_curves
 from obscli.numeric.errors import NotComputableError
-from obscli.numeric.hidden_motion import hidden_motion
 from obscli.numeric.leak import Leak, leak_of
 from obscli.numeric.program import Flags
 
@@ -139,20 +138,14 @@ class Witness:
 
     def detectable(self, structure: Structure | None, *, asserted: bool) -> Testimony:
         """Say whether hidden errors die out, where algebra leaves it open; a window alone proves nothing."""
-        if structure is None or structure.verdict != "undecided" or not structure.directions:
+        if structure is None or not is_followable(structure):
             return Testimony("silent", "")
-        horizon, period = self.numeric.horizon, structure.period
-        stop = horizon.stop if period is None else horizon.start + period
-        system = self.numeric.system.system
         try:
-            motion = hidden_motion(
-                system, structure.directions, horizon.start, stop, period=period is not None
-            )
+            found = followed(self.numeric.system.system, structure, self.numeric.horizon)
         except NotComputableError as error:
             return Testimony("silent", f"hidden errors cannot be followed: {error}")
-        found = seen_detectability(structure, motion)
         words = f"{found.verdict} {found.where}: {found.words}"
-        if found.verdict == "undecided" or period is None:
+        if found.verdict == "undecided" or structure.period is None:
             return Testimony("silent", words)
         return Testimony("agrees" if asserted == (found.verdict == "detectable") else "denies", words)
 

@@ -23,8 +23,9 @@ from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.kalman_parts import columns_of, four_parts, inverse_rows, reach, two_parts
 from obscli.exact.missing import MissingError, RefineError
 from obscli.exact.prove import Proof, prove
-from obscli.exact.reachable import InputMatrix, Inputs, input_rows, inputs_of
+from obscli.exact.reachable import input_rows
 from obscli.exact.rows import combined, drift, transpose
+from obscli.model.acting import InputMatrix, Inputs, inputs_of
 from obscli.model.system import Covector, System
 
 

@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING, TypeAlias
 from obscli.exact.echelon import polynomial_row, reduced_echelon
 from obscli.exact.field import Element
 from obscli.exact.nonzero import require_nonzero
-from obscli.exact.reachable import Inputs, reachable_rows
+from obscli.exact.reachable import reachable_rows
 from obscli.exact.rows import combined, dot, field_row
+from obscli.model.acting import Inputs
 
 
 if TYPE_CHECKING:

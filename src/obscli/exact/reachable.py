@@ -9,8 +9,8 @@ bounds, over the field of the system itself.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from obscli.exact.elimination import eliminate, everything
 from obscli.exact.errors import UndecidedError, UndefinedError
@@ -21,6 +21,7 @@ from obscli.exact.lower import prove_lower_bound
 from obscli.exact.nonzero import require_nonzero
 from obscli.exact.rows import transpose
 from obscli.exact.saturation import saturate
+from obscli.model.acting import Inputs
 from obscli.model.expression import negate
 from obscli.model.system import Matrix, Output, System
 
@@ -28,27 +29,6 @@ from obscli.model.system import Matrix, Output, System
 if TYPE_CHECKING:
     from obscli.exact.echelon import PolyRow
     from obscli.exact.exact_system import Row
-
-#: Which matrix says what moves the state: the inputs, or where there are none the disturbances.
-InputMatrix: TypeAlias = Literal["B", "G"]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Inputs:
-    """The matrix (n, p) that the reachable subspace is of, and the names of its columns."""
-
-    by: InputMatrix
-    matrix: Matrix
-    names: tuple[str, ...]
-
-
-def inputs_of(system: System) -> Inputs | None:
-    """Return B where the system has inputs, else G, None where it has neither."""
-    if system.B is not None and system.B.columns:
-        return Inputs("B", system.B, system.inputs)
-    if system.G is not None and system.G.columns:
-        return Inputs("G", system.G, system.disturbances)
-    return None
 
 
 def dual_system(system: System, inputs: Inputs) -> System:

@@ -20,9 +20,9 @@ from obscli.exact.hurwitz import Stability, has_parameters, roots_there, stabili
 from obscli.exact.kalman import kalman_dimensions
 from obscli.exact.period import period
 from obscli.exact.prove import Proof, prove, prove_read
-from obscli.exact.reachable import inputs_of
 from obscli.exact.spectrum import characteristic_polynomial, factors, modes_of
 from obscli.exact.structure_finding import Mode, OnCondition, Structure
+from obscli.model.acting import inputs_of
 from obscli.model.specialise import Specialisation, at_nominal
 
 

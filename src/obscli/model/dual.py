@@ -17,11 +17,11 @@ R. E. Kalman, On the general theory of control systems (1960); L. Weiss, R. E. K
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Literal
 
 from obscli.core.place import Place
+from obscli.model.acting import Inputs, inputs_of
 from obscli.model.expression import Expression, negate, power, symbols
 from obscli.model.system import Matrix, Output, State, System
 
@@ -36,15 +36,15 @@ def dual(system: System) -> System:
     ------
     ValueError : the system has neither inputs nor disturbances
     """
-    which, acting, names = _acting(system)
+    acting = _acting(system)
     back = system.dual if system.dual is not None else "B"
     seen = _transposed(system.H)
     outputs = tuple(output.name for output in system.outputs)
     return replace(
         system,
         A=_transposed(system.A, None if is_constant(system) else negate),
-        H=_transposed(acting),
-        outputs=tuple(_output(system, acting, j, name) for j, name in enumerate(names)),
+        H=_transposed(acting.matrix),
+        outputs=tuple(_output(system, acting.matrix, j, name) for j, name in enumerate(acting.names)),
         B=seen if back == "B" else None,
         inputs=outputs if back == "B" else (),
         G=seen if back == "G" else None,
@@ -54,25 +54,24 @@ def dual(system: System) -> System:
         claims=(),
         noise=None,
         prior={},
-        dual=None if system.dual is not None else which,
+        dual=None if system.dual is not None else acting.by,
     )
 
 
 def is_constant(system: System) -> bool:
     """Whether nothing in A, H and the matrix of inputs depends on time or a function, as it is written."""
     moving = {system.time, *(function.name for function in system.functions)}
-    _, acting, _ = _acting(system)
-    entries = (entry for matrix in (system.A, system.H, acting) for entry in matrix.entries.values())
+    matrices = (system.A, system.H, _acting(system).matrix)
+    entries = (entry for matrix in matrices for entry in matrix.entries.values())
     return not moving & symbols(*entries)
 
 
-def _acting(system: System) -> tuple[Literal["B", "G"], Matrix, Sequence[str]]:
+def _acting(system: System) -> Inputs:
     """Return by what the system is to be reached: B, else G."""
-    if system.B is not None and system.B.columns:
-        return "B", system.B, system.inputs
-    if system.G is not None and system.G.columns:
-        return "G", system.G, system.disturbances
-    raise ValueError("neither inputs nor disturbances")
+    inputs = inputs_of(system)
+    if inputs is None:
+        raise ValueError("neither inputs nor disturbances")
+    return inputs
 
 
 def _transposed(matrix: Matrix, change: Callable[[Expression], Expression] | None = None) -> Matrix:

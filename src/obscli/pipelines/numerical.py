@@ -8,7 +8,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from obscli.checks.agreement import verify_basis
-from obscli.checks.detectability import Detectability, seen_detectability
+from obscli.checks.detectability import Detectability
+from obscli.checks.followed import followed, is_followable
 from obscli.checks.guesses import check_guesses
 from obscli.checks.witness import Witness
 from obscli.core.verification import NotVerified, Verification
@@ -23,7 +24,6 @@ from obscli.numeric.analysis import Numeric
 from obscli.numeric.echelon import echelon_curves
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import CrossCheck, EchelonFinding, Knowledge, NotComputed
-from obscli.numeric.hidden_motion import hidden_motion
 from obscli.numeric.horizon import Wanted, horizon_of
 from obscli.numeric.identify import identified
 from obscli.numeric.partners import knowledge
@@ -125,21 +125,13 @@ def looked_at(
     ModelError
         where an instant is no expression in the names of the system
     """
-    structure = found.of
-    if found.verdict != "undecided" or not structure.directions or structure.verdict == "depends":
+    if found.verdict != "undecided" or not is_followable(found.of):
         return found
     progress("how hidden errors move")
     try:
-        horizon = horizon_of(system, settings_of(system, request).wanted)
-        stop = horizon.stop if structure.period is None else horizon.start + structure.period
-        motion = hidden_motion(
-            system, structure.directions, horizon.start, stop, period=structure.period is not None
-        )
+        return followed(system, found.of, horizon_of(system, settings_of(system, request).wanted))
     except NotComputableError as error:
         return replace(found, words=f"{found.words}, and it cannot be followed: {error}")
-    seen = seen_detectability(structure, motion)
-    left_open = ", ".join(one.name for one in system.functions if one.derivative is None)
-    return replace(seen, scope=f"{seen.scope}, with a sample motion for {left_open}") if left_open else seen
 
 
 def cross_checked(

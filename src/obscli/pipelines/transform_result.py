@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 from obscli.core.check import CheckResult
 from obscli.exact.finding import Undecided
-from obscli.exact.reachable import InputMatrix
 from obscli.exact.reduced import StateBack
+from obscli.model.acting import InputMatrix
 from obscli.model.expression import Expression
 from obscli.model.system import Covector, Model, System
 from obscli.pipelines.request import Target
