@@ -16,7 +16,7 @@ import tempfile
 from pathlib import Path
 
 from generators import imu_array
-from measure import OBSCLI, Run, fresh, median, peak, spread, table
+from measure import OBSCLI, Run, row, table
 from peers import CONSTANTS, FULL, LOWER
 
 
@@ -112,7 +112,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as directory:
         array = Path(directory) / "array.yaml"
         array.write_text(imu_array(8) + STAGES, encoding="utf-8")
-        rows = [_row(name, *command) for name, command in _commands(array, given.runs).items()]
+        rows = [row(name, *command, LIMIT, _answer) for name, command in _commands(array, given.runs).items()]
     print(table(["what", "CPU s", "min–max", "MB", "wall limit", "answer"], rows))
 
 
@@ -134,15 +134,6 @@ def _commands(array: Path, runs: int) -> dict[str, tuple[list[str], int, str]]:
             "60 s",
         ),
     }
-
-
-def _row(name: str, command: list[str], count: int, target: str) -> list[str]:
-    fresh(command, LIMIT)  # unmeasured: compiles modules, fills file caches
-    runs = [fresh(command, LIMIT) for _ in range(count)]
-    if runs[-1].trouble:
-        return [name, *["–"] * 4, runs[-1].trouble]
-    spent = spread([run.cpu for run in runs])
-    return [name, f"{median(runs):.2f}", spent, f"{peak(runs):.0f}", target, _answer(runs[-1])]
 
 
 def _answer(run: Run) -> str:

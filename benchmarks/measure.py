@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -100,3 +100,15 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     ]
     text.insert(1, "| " + " | ".join("-" * w for w in width) + " |")
     return "\n".join(text)
+
+
+def row(
+    name: str, command: list[str], count: int, target: str, limit: int, answer: Callable[[Run], str]
+) -> list[str]:
+    """A table row of one command in fresh processes: CPU seconds, their range, memory, target, answer."""
+    fresh(command, limit)  # unmeasured: compiles modules, fills file caches
+    runs = [fresh(command, limit) for _ in range(count)]
+    if runs[-1].trouble:
+        return [name, *["–"] * 4, runs[-1].trouble]
+    spent = spread([run.cpu for run in runs])
+    return [name, f"{median(runs):.2f}", spent, f"{peak(runs):.0f}", target, answer(runs[-1])]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import json
 
-from measure import OBSCLI, Run, fresh, median, peak, spread, table
+from measure import OBSCLI, Run, row, table
 
 
 STAGE_1 = ["models/ins_calibration/horizontal.yaml", "--stage", "stage_1"]
@@ -33,19 +33,10 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=5)
     given = parser.parse_args()
     rows = [
-        _row(name, [OBSCLI, *words, "--format", "json"], given.runs, target)
+        row(name, [OBSCLI, *words, "--format", "json"], given.runs, target, LIMIT, _answer)
         for name, (words, target) in COMMANDS.items()
     ]
     print(table(["what", "CPU s", "min–max", "MB", "limit", "answer"], rows))
-
-
-def _row(name: str, command: list[str], count: int, target: str) -> list[str]:
-    fresh(command, LIMIT)  # unmeasured: compiles modules, fills file caches
-    runs = [fresh(command, LIMIT) for _ in range(count)]
-    if runs[-1].trouble:
-        return [name, *["–"] * 4, runs[-1].trouble]
-    spent = spread([run.cpu for run in runs])
-    return [name, f"{median(runs):.2f}", spent, f"{peak(runs):.0f}", target, _answer(runs[-1])]
 
 
 def _answer(run: Run) -> str:
