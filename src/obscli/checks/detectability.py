@@ -61,6 +61,11 @@ def exact_detectability(structure: Structure) -> Detectability:
     return Detectability("undecided", ALL_TIMES, structure_words(there), there)
 
 
+def is_followable(structure: Structure) -> bool:
+    """Whether algebra leaves open what becomes of hidden directions that are known."""
+    return structure.verdict == "undecided" and bool(structure.directions)
+
+
 def seen_detectability(structure: Structure, motion: HiddenMotion) -> Detectability:
     """Return what the motion of hidden errors over a period, or on a window, says at the file's values."""
     if structure.period is not None:

@@ -11,11 +11,6 @@ from obscli.numeric.hidden_motion import hidden_motion
 from obscli.numeric.horizon import Horizon
 
 
-def is_followable(structure: Structure) -> bool:
-    """Whether algebra leaves open what becomes of hidden directions that are known."""
-    return structure.verdict == "undecided" and bool(structure.directions)
-
-
 def followed(system: System, structure: Structure, horizon: Horizon) -> Detectability:
     """Return the verdict over one period from the start of a horizon, or on its window where there is none.
 

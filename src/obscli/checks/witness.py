@@ -13,7 +13,8 @@ from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
-from obscli.checks.followed import followed, is_followable
+from obscli.checks.detectability import is_followable
+from obscli.checks.followed import followed
 from obscli.core.check import Indicator
 from obscli.core.number import counted, short
 from obscli.exact.structure_finding import Structure

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from obscli.checks.detectability import exact_detectability
+from obscli.checks.detectability import exact_detectability, is_followable
 from obscli.core.document import Document
 from obscli.core.figure import Figure
 from obscli.exact import analysis as engine
@@ -115,17 +115,28 @@ def _with_detectability(result: StageResult, request: AnalyzeRequest, progress: 
     found = exact_detectability(structure)
     special = structure.at_values is not None and structure.verdict != "depends"
     there = exact_detectability(structure.at_values) if structure.at_values and special else None
-    if request.only == "analytic":
-        return replace(result, detectability=found, detectability_there=there)
-    from obscli.pipelines.numerical import cross_checked, looked_at  # noqa: PLC0415 - as below
+    result = replace(result, detectability=found, detectability_there=there)
+    return result if request.only == "analytic" else _followed(result, request, progress)
 
-    system = result.system
-    if there is None:
-        found = looked_at(system, found, request.numeric, progress)
-    else:
-        there = looked_at(at_nominal(system).system(), there, request.numeric, progress)
-    checked = cross_checked(system, request.numeric, progress) if request.cross_check else None
-    return replace(result, detectability=found, detectability_there=there, cross_check=checked)
+
+def _followed(result: StageResult, request: AnalyzeRequest, progress: Progress) -> StageResult:
+    """Return the result with what floating point says of a verdict left open, and the cross-check."""
+    system, there = result.system, result.detectability_there
+    found = there or result.detectability
+    if found is not None and is_followable(found.of):
+        from obscli.pipelines.numerical import looked_at  # noqa: PLC0415 - floating point only where needed
+
+        if there is None:
+            result = replace(result, detectability=looked_at(system, found, request.numeric, progress))
+        else:
+            special = at_nominal(system).system()
+            seen = looked_at(special, found, request.numeric, progress)
+            result = replace(result, detectability_there=seen)
+    if not request.cross_check:
+        return result
+    from obscli.pipelines.numerical import cross_checked  # noqa: PLC0415
+
+    return replace(result, cross_check=cross_checked(system, request.numeric, progress))
 
 
 def _with_gramian(result: StageResult, request: AnalyzeRequest, progress: Progress) -> StageResult:

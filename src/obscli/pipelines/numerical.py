@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from obscli.checks.agreement import verify_basis
 from obscli.checks.detectability import Detectability
-from obscli.checks.followed import followed, is_followable
+from obscli.checks.followed import followed
 from obscli.checks.guesses import check_guesses
 from obscli.checks.witness import Witness
 from obscli.core.verification import NotVerified, Verification
@@ -118,15 +118,13 @@ class Looks:
 def looked_at(
     system: System, found: Detectability, request: NumericRequest, progress: Progress = silent
 ) -> Detectability:
-    """Return the verdict; where algebra left it open, what the motion over a period or window says.
+    """Return, for a verdict that algebra left open, what the motion over a period or window says.
 
     Raises
     ------
     ModelError
         where an instant is no expression in the names of the system
     """
-    if found.verdict != "undecided" or not is_followable(found.of):
-        return found
     progress("how hidden errors move")
     try:
         return followed(system, found.of, horizon_of(system, settings_of(system, request).wanted))
