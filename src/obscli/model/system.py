@@ -66,12 +66,18 @@ class State:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Output:
-    """One scalar output; ``vector`` is the name it was declared under (``y`` for ``y1``)."""
+    """One scalar output; ``vector`` is the name it was declared under (``y`` for ``y1``).
+
+    ``every``: the time between samples, None where the file does not say; ``during``: the intervals in which
+    there are samples, None: always.
+    """
 
     name: str
     place: Place
     vector: str = ""
     unit: str = ""
+    every: Expression | None = None
+    during: tuple[tuple[Expression, Expression], ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
