@@ -96,7 +96,7 @@ class Consistency:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MonteCarlo:
-    """Runs with random errors: do they spread as the filter says?
+    """Runs with random errors, and whether they spread as the filter says.
 
     Parameters
     ----------
