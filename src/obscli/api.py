@@ -17,7 +17,7 @@ from obscli.core.report import Report
 from obscli.model.system import Model
 from obscli.pipelines import analyze as analyze_pipeline
 from obscli.pipelines import calibrate as calibrate_pipeline
-from obscli.pipelines import plan_report, verify_report
+from obscli.pipelines import measures_report, plan_report, simulate_report, verify_report
 from obscli.pipelines import transform as transform_pipeline
 from obscli.pipelines import why as why_pipeline
 from obscli.pipelines.reading import load as load_changed
@@ -25,9 +25,11 @@ from obscli.pipelines.request import (
     AnalyzeRequest,
     CalibrateRequest,
     Changes,
+    MeasuresRequest,
     NumericRequest,
     PlanRequest,
     Progress,
+    SimulateRequest,
     TransformRequest,
     WhyRequest,
     silent,
@@ -67,6 +69,16 @@ class CalibrateReport(calibrate_pipeline.CalibrateReport, Shown):
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanReport(plan_report.PlanReport, Shown):
     """What ``plan`` chose: ``results`` with ``plan``, ``accuracy``; ``document()``; ``data()``."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasuresReport(measures_report.MeasuresReport, Shown):
+    """What ``measures`` found: ``results``, one a stage, each with ``taken``; ``document()``; ``data()``."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SimulateReport(simulate_report.SimulateReport, Shown):
+    """What ``simulate`` found: ``results``, one a stage, each with ``found``; ``document()``; ``data()``."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -179,6 +191,53 @@ def plan(
 
     found = plan_pipeline.plan(_read(model, changes), request, changes, progress)
     return PlanReport(found.results, found.changes)
+
+
+def measure(
+    model: Source,
+    *,
+    request: MeasuresRequest = MeasuresRequest(),  # noqa: B008 - frozen and empty
+    changes: Changes = Changes(),  # noqa: B008 - frozen and empty
+    progress: Progress = silent,
+) -> MeasuresReport:
+    """Measure how well states, quantities and combinations are observable, in every stage of a model.
+
+    Parameters
+    ----------
+    model : a model file, or a model read before (then ``changes`` must be empty)
+    request : which measures, when, in which units
+    changes : changes to make while reading
+    progress : told what is being done
+    """
+    from obscli.pipelines.measures import measures as run  # noqa: PLC0415 - floating point only where it is used
+
+    found = run(_read(model, changes), request, changes, progress)
+    return MeasuresReport(found.results, found.changes)
+
+
+def simulate(
+    model: Source,
+    *,
+    request: SimulateRequest = SimulateRequest(),  # noqa: B008 - frozen and empty
+    changes: Changes = Changes(),  # noqa: B008 - frozen and empty
+    progress: Progress = silent,
+    design: Source | None = None,
+) -> SimulateReport:
+    """Simulate the Kalman filter of every stage of a model: deviations in time, random runs, mismatch.
+
+    Parameters
+    ----------
+    model : a model file, or a model read before (then ``changes`` must be empty)
+    request : which stages, the interval, the samples, the random runs
+    changes : changes to make to ``model`` while reading
+    progress : told what is being done
+    design : the model that the filter was designed on, where that is another
+    """
+    from obscli.pipelines.simulate import simulate as run  # noqa: PLC0415 - floating point only where it is used
+
+    other = None if design is None else _read(design, Changes())
+    found = run(_read(model, changes), request, changes, progress, other)
+    return SimulateReport(found.results, found.changes, found.interrupted)
 
 
 def transform(

@@ -8,8 +8,10 @@ import typer
 
 from obscli.cli.analyze import analyze
 from obscli.cli.calibrate import calibrate
+from obscli.cli.measures import measures
 from obscli.cli.model import model_app
 from obscli.cli.plan import plan
+from obscli.cli.simulate import simulate
 from obscli.cli.transform import transform
 from obscli.cli.verify import verify
 from obscli.cli.why import why
@@ -31,6 +33,8 @@ app.command("analyze")(analyze)
 app.command("verify")(verify)
 app.command("calibrate")(calibrate)
 app.command("plan")(plan)
+app.command("measures")(measures)
+app.command("simulate")(simulate)
 app.command("transform")(transform)
 app.command("why")(why)
 app.add_typer(model_app, name="model")

@@ -16,6 +16,7 @@ METHODS: Final = ("square-root", "lyapunov", "quadrature")
 TARGETS: Final = ("observable", "kalman")
 BASES: Final = ("echelon", "sparse")
 SCALINGS: Final = ("automatic", "scale", "prior", "none")
+MEASURE_SCALINGS: Final = ("none", "prior", "scale")
 
 
 def _one_of(names: tuple[str, ...], given: str) -> str:
@@ -56,9 +57,25 @@ def _known_scaling(given: str | None) -> str | None:
     return None if given is None else _one_of(SCALINGS, given)
 
 
+def _known_units(given: str) -> str:
+    return _one_of(MEASURE_SCALINGS, given)
+
+
 def _step_error(given: float | None) -> float | None:
     if given is not None and not 1e-16 < given < 0.1:
         raise typer.BadParameter(f"{given:g} is no step error: between 1e-16 and 0.1")
+    return given
+
+
+def _positive(given: float | None) -> float | None:
+    if given is not None and not 0 < given < float("inf"):
+        raise typer.BadParameter(f"{given:g} is no time between samples: it must be positive")
+    return given
+
+
+def _fraction(given: float) -> float:
+    if not 0 < given < 1:
+        raise typer.BadParameter(f"{given:g} is no part of a deviation: between 0 and 1")
     return given
 
 
@@ -278,6 +295,15 @@ ScalingOption: TypeAlias = Annotated[
         "else automatic.",
     ),
 ]
+MeasureScalingOption: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        "--scaling",
+        callback=_known_units,
+        metavar="|".join(MEASURE_SCALINGS),
+        help="Units of the states: as the file gives them, the prior's standard deviations, or `scale`.",
+    ),
+]
 PlotOption: TypeAlias = Annotated[
     Path | None,
     typer.Option("--plot", metavar="DIR", help="Draw figures into DIR, as SVG and PNG."),
@@ -293,4 +319,45 @@ CrossCheckOption: TypeAlias = Annotated[
 StrictOption: TypeAlias = Annotated[
     bool,
     typer.Option("--strict", help="Exit with code 4 where something stays undecided."),
+]
+StepOption: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        "--step",
+        callback=_positive,
+        metavar="S",
+        help="Time between samples of the outputs without `every`, in place of the file's `step`.",
+    ),
+]
+RecordedOption: TypeAlias = Annotated[
+    int,
+    typer.Option("--samples", min=2, max=100_000, metavar="N", help="Number of instants in the histories."),
+]
+RandomRunsOption: TypeAlias = Annotated[
+    int,
+    typer.Option(
+        "--runs", min=0, max=100_000, metavar="N", help="Monte Carlo: so many runs with random errors."
+    ),
+]
+SeedOption: TypeAlias = Annotated[
+    int, typer.Option("--seed", min=0, metavar="S", help="Seed of the random errors.")
+]
+FractionOption: TypeAlias = Annotated[
+    float,
+    typer.Option(
+        "--fraction",
+        callback=_fraction,
+        metavar="X",
+        help="A state counts as observable once its deviation stays below this part of its prior, where the "
+        "file requires nothing.",
+    ),
+]
+HistoryOption: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(
+        "--history", metavar="FILE", help="Write the histories to FILE: .csv, .json or .parquet."
+    ),
+]
+DetailsAllOption: TypeAlias = Annotated[
+    bool, typer.Option("--details", help="Show the combinations and everything that was simulated.")
 ]

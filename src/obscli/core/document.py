@@ -67,11 +67,15 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows of cells under columns; a list of formulas with annotations is a table without titles."""
+    """Rows of cells under columns; a list of formulas with annotations is a table without titles.
+
+    ``folds``: where space is short it may be set in parts below each other, the first column in each.
+    """
 
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
     caption: Inline = ()
+    folds: bool = False
 
 
 @dataclass(frozen=True, slots=True)

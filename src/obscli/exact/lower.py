@@ -91,10 +91,10 @@ def minor(
     length = order + 1 + highest_derivative(system)
     with precision(bits, length):
         point = BallPoint(system, values, length, definitions)
-        A, H = _series_rows(point, system.A), _series_rows(point, system.H)
+        A, H = series_rows(point, system.A), series_rows(point, system.H)
         known: dict[tuple[int, int], dict[int, arb_series]] = {}
         for k, output in sorted({(i, o) for top, o in rows for i in range(top + 1)}):
-            known[k, output] = H[output] if k == 0 else _differentiate(known[k - 1, output], A)
+            known[k, output] = H[output] if k == 0 else differentiated(known[k - 1, output], A)
         place = {column: k for k, column in enumerate(columns)}
         return determinant([{place[j]: e[0] for j, e in known[row].items() if j in place} for row in rows])
 
@@ -127,14 +127,21 @@ def highest_derivative_of(expressions: Iterable[Expression]) -> int:
     return max((node.order for node in nodes if isinstance(node, Derivative)), default=0)
 
 
-def _series_rows(point: BallPoint, matrix: Matrix) -> list[dict[int, arb_series]]:
+def series_rows(point: BallPoint, matrix: Matrix) -> list[dict[int, arb_series]]:
+    """Return the series of the entries of a matrix by rows.
+
+    Raises
+    ------
+    OutsideDomainError : an entry does not exist at the point
+    """
     rows: list[dict[int, arb_series]] = [{} for _ in range(matrix.rows)]
     for (i, j), expression in matrix.entries.items():
         rows[i][j] = point.value(expression)
     return rows
 
 
-def _differentiate(row: dict[int, arb_series], A: list[dict[int, arb_series]]) -> dict[int, arb_series]:
+def differentiated(row: dict[int, arb_series], A: list[dict[int, arb_series]]) -> dict[int, arb_series]:
+    """Return l' + l A, one term shorter than l where l varies."""
     result = {j: series.derivative() for j, series in row.items()}
     for i, series in row.items():
         for j, entry in A[i].items():

@@ -194,7 +194,7 @@ def _described(system: System, spectrum: Spectrum, first: Array, window: tuple[f
         gains=tuple(_exp(one, np.inf) for one in spectrum.gains),
         exponents=tuple(float(one) / length for one in spectrum.gains),
         errors=tuple(float(one) for one in spectrum.gain_errors),
-        directions=tuple(_named(system, column) for column in columns.T),
+        directions=tuple(named(system, column) for column in columns.T),
         floquet=tuple(_mode(system, *one, first, length) for one in eigenvalues),
     )
 
@@ -209,7 +209,7 @@ def _mode(system: System, one: Eigenvalue, error: float, first: Array, period: f
         exponent=complex(one.log_modulus / period, float(np.angle(one.phase)) / period),
         error=float(error),
         kind=("growing" if one.log_modulus > 0 else "decaying") if apart else "neutral",
-        direction=_named(system, part),
+        direction=named(system, part),
     )
 
 
@@ -219,7 +219,7 @@ def _exp(x: float, most: float) -> float:
         return float(min(np.exp(x), most))
 
 
-def _named(system: System, column: Array) -> dict[str, float]:
+def named(system: System, column: Array) -> dict[str, float]:
     """Return a direction by state, its largest component 1, without rounding."""
     largest = column[np.abs(column).argmax()]
     column = column / largest

@@ -168,11 +168,11 @@ class _Chain:
         if np.abs(self._rows[:, self._free]).max(initial=0.0) > _LARGE:
             self._rescale()
         if len(self._rows) > _GATHERED * self._rows.shape[1]:
-            self._rows = _triangle(self._rows)
+            self._rows = triangle(self._rows)
 
     def drive(self, L: Array) -> None:
         """Let driving noise with covariance L Lᵀ act."""
-        self._rows = _driven(self._rows, L / self._units[:, None])
+        self._rows = driven(self._rows, L / self._units[:, None])
 
     def _rescale(self) -> None:
         size = np.abs(self._rows[:, self._free]).max(axis=0)
@@ -190,8 +190,8 @@ class _Chain:
             raise NotComputableError(
                 "the information overflows: a state decays too far; give a shorter interval"
             )
-        self._rows = _triangle(self._rows)
-        rows = self._rows if L is None else _driven(self._rows, L / self._units[:, None])
+        self._rows = triangle(self._rows)
+        rows = self._rows if L is None else driven(self._rows, L / self._units[:, None])
         root = np.zeros((n, n))
         root[: len(rows)] = rows
         return root
@@ -203,19 +203,21 @@ def _two_to(exponents: Array) -> Array:
         return np.exp2(np.clip(exponents, -_FARTHEST - 100, _FARTHEST + 100))
 
 
-def _driven(rows: Array, L: Array) -> Array:
+def driven(rows: Array, L: Array) -> Array:
+    """Return S⁺ after noise x⁺ = x⁻ + L w, w ~ N(0, I), for S of shape (r, n) and L (n, d)."""
     n, d = L.shape
     joint = np.zeros((d + len(rows), d + n))
     joint[:d, :d] = np.eye(d)
     joint[d:, :d], joint[d:, d:] = -(rows @ L), rows
-    return _triangle(joint)[d:, d:]
+    return triangle(joint)[d:, d:]
 
 
-def _triangle(rows: Array) -> Array:
+def triangle(rows: Array) -> Array:
+    """Return R with Rᵀ R = Sᵀ S, of no more rows than columns; S itself where it is empty or not finite."""
     if not len(rows) or not np.isfinite(rows).all():
         return rows
-    triangle: Array = np.linalg.qr(rows, mode="r")  # type: ignore[assignment]  # no QRResult in this mode
-    return triangle
+    R: Array = np.linalg.qr(rows, mode="r")  # type: ignore[assignment]  # no QRResult in this mode
+    return R
 
 
 def _marginal(roots: Array, kept: Counts) -> Array:

@@ -29,9 +29,9 @@ from obscli.numeric.collocation import gauss_legendre
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.finding import CrossCheck
 from obscli.numeric.hidden_motion import transitions, units_of
-from obscli.numeric.noise import NoiseModel, noise_model
-from obscli.numeric.numeric_system import NumericSystem, constants_of
-from obscli.numeric.program import Array, Program, constant_value
+from obscli.numeric.noise import NoiseModel, continuous_noise, steps_of
+from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.program import Array, Program
 from obscli.numeric.rates import argument_derivatives, rates_of
 from obscli.numeric.settings import Effort
 from obscli.numeric.transition import edges_of, longest_step
@@ -45,7 +45,7 @@ _PROBES: Final = 18
 
 #: At so many instants driving noise enters within a panel, in which G turns by so many radians at the most.
 _NODES: Final = 5
-_MOST_PHASE: Final = 1.0
+MOST_PHASE: Final = 1.0
 
 _WIDER: Final = 4.0
 
@@ -62,7 +62,7 @@ def cross_check(system: System, start: float, stop: float) -> CrossCheck:
         where there is no noise of the outputs, or too many samples
     """
     numeric = NumericSystem(system, start, stop)
-    noise = noise_model(numeric)
+    noise = continuous_noise(numeric)
     instants, step = samples_of(system, start, stop)
     P0, assumed = prior_of(system, noise)
     first: Array = np.asarray(np.linalg.cholesky(P0), dtype=float)
@@ -80,10 +80,11 @@ def cross_check(system: System, start: float, stop: float) -> CrossCheck:
 
 
 def samples_of(system: System, start: float, stop: float) -> tuple[Array, float]:
-    """Return the instants after the start at which outputs are taken, and the time between them."""
-    noise = system.noise
-    given = noise.step if noise else None
-    step = (stop - start) / _SAMPLES if given is None else constant_value(given, constants_of(system))
+    """Return the instants after the start at which outputs are taken, and the time between them.
+
+    All outputs are taken as often as the one that is sampled most often, each as its density has it.
+    """
+    step = min((one for one in steps_of(system) if one is not None), default=(stop - start) / _SAMPLES)
     count = int((stop - start) / step * (1 + 1e-12))
     if not 0 < count <= _MOST:
         raise NotComputableError(
@@ -108,23 +109,23 @@ def covariances(noise: NoiseModel, start: float, instants: Array, step: float, r
     outputs = system.matrices(np.concatenate([[start], instants]))[1]
     whitened = noise.whitening @ outputs * np.sqrt(step)
     rates = rates_of(system, np.linspace(start, instants[-1], _PROBES)[1:-1])
-    longest = min(longest_step(rates), _MOST_PHASE / max(_driving_rate(noise, instants), 1e-300))
+    longest = min(longest_step(rates), MOST_PHASE / max(driving_rate(noise, instants), 1e-300))
     edges = edges_of(start, instants, longest, _MOST)
-    entering = _entering(noise, edges)
-    edges = np.union1d(edges, list(entering))
+    noises = entering(noise, edges)
+    edges = np.union1d(edges, list(noises))
     root = _updated(root, whitened[0])
     found = [root]
     for phi, end in transitions(system, edges, Effort(_STEP_ERROR, _MOST * (_NODES + 1))):
         root = np.asarray(np.linalg.solve(phi, root), dtype=float)
-        if end in entering:
-            root = _lower(np.concatenate([root, entering[end]], axis=1))
+        if end in noises:
+            root = _lower(np.concatenate([root, noises[end]], axis=1))
         if end == instants[len(found) - 1]:
             root = _updated(root, whitened[len(found)])
             found.append(root)
     return _squared(found, np.concatenate([[start], instants]))
 
 
-def _driving_rate(noise: NoiseModel, instants: Array) -> float:
+def driving_rate(noise: NoiseModel, instants: Array) -> float:
     """Return how fast arguments of sin, cos, … in G vary, as seen at some instants."""
     system = noise.system.system
     if noise.drive is None or system.G is None:
@@ -134,7 +135,7 @@ def _driving_rate(noise: NoiseModel, instants: Array) -> float:
     return max((float(np.abs(one).max()) for one in found), default=0.0)
 
 
-def _entering(noise: NoiseModel, edges: Array) -> dict[float, Array]:
+def entering(noise: NoiseModel, edges: Array) -> dict[float, Array]:
     """Return the instants at which driving noise enters, and square roots of how much: √w_j G Q^½."""
     if noise.drive is None:
         return {}

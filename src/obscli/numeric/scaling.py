@@ -23,7 +23,8 @@ from obscli.numeric.numeric_system import constants_of
 from obscli.numeric.program import Array, constant_value
 
 
-Scaling: TypeAlias = Literal["automatic", "scale", "prior", "none"]
+Given: TypeAlias = Literal["scale", "prior", "none"]
+Scaling: TypeAlias = Literal["automatic"] | Given
 
 
 def scaled(gramian: Gramian, system: System, scaling: Scaling) -> Gramian:
@@ -38,8 +39,12 @@ def scaled(gramian: Gramian, system: System, scaling: Scaling) -> Gramian:
     """
     if scaling == "automatic":
         return gramian.in_units(_equilibrating(gramian))
-    sizes = np.ones(gramian.n) if scaling == "none" else _given(system, scaling)
-    return gramian.in_units(sizes / gramian.units)
+    return gramian.in_units(sizes_of(system, scaling) / gramian.units)
+
+
+def sizes_of(system: System, scaling: Given) -> Array:
+    """Return the sizes of the states that a scaling takes as units, shape (n,); raises as ``scaled``."""
+    return np.ones(system.n) if scaling == "none" else _given(system, scaling)
 
 
 def chosen_scaling(system: System, asked: Scaling | None) -> Scaling:
@@ -62,7 +67,7 @@ def _equilibrating(gramian: Gramian) -> Array:
     return 1 / np.where(size > 0, size, 1.0)
 
 
-def _given(system: System, scaling: Scaling) -> Array:
+def _given(system: System, scaling: Given) -> Array:
     named: Mapping[str, Expression | None] = (
         {state.name: state.scale for state in system.states} if scaling == "scale" else system.prior
     )

@@ -131,6 +131,30 @@ def silent(_: str) -> None:
     """Progress that nobody watches."""
 
 
+#: The units of the states in which measures are taken: as given, the prior's deviations, `scale`.
+MeasureScaling: TypeAlias = Literal["none", "prior", "scale"]
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuresRequest:
+    """Which measures (empty: all but habits), in which stages, when, in which units.
+
+    ``at``: instants as expressions, empty: the end of the interval; ``options``: as text,
+    ``{"least-squares.dt": "1"}``; ``thresholds``: a number by key of a measure; ``step``: seconds between
+    samples; ``curves``: find what the figures show.
+    """
+
+    stages: tuple[str, ...] = ()
+    at: tuple[str, ...] = ()
+    select: tuple[str, ...] = ()
+    options: Mapping[str, str] = field(default_factory=dict)
+    thresholds: Mapping[str, str] = field(default_factory=dict)
+    scaling: MeasureScaling = "none"
+    numeric: NumericRequest = NumericRequest()
+    step: float | None = None
+    curves: bool = False
+
+
 #: The parts of an explanation that can be asked for alone.
 WhyPart: TypeAlias = Literal["analytic"]
 
@@ -142,4 +166,22 @@ class WhyRequest:
     target: str
     stages: tuple[str, ...] = ()
     only: WhyPart | None = None
+    numeric: NumericRequest = NumericRequest()
+
+
+@dataclass(frozen=True, slots=True)
+class SimulateRequest:
+    """What to simulate: stages (empty: all), the interval (in ``numeric``), samples, random runs.
+
+    ``step``: time between samples of outputs that have no rate of their own, None: as in the file;
+    ``recorded``: instants that the histories keep; ``runs``: random runs, 0: none; ``fraction``: of the prior,
+    below which a deviation counts as small where the file requires nothing.
+    """
+
+    stages: tuple[str, ...] = ()
+    step: float | None = None
+    recorded: int = 500
+    runs: int = 0
+    seed: int = 0
+    fraction: float = 0.1
     numeric: NumericRequest = NumericRequest()

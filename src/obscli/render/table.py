@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import zip_longest
 
 from obscli.core.document import Align, Cell, Column, Table, Text
@@ -12,12 +13,32 @@ from obscli.render.wrap import wrap
 
 
 def table_lines(table: Table, width: int) -> list[Line]:
-    """Return the table in lines of at most ``width`` cells (as far as that can be done)."""
+    """Return the table in lines of at most ``width`` cells (as far as that can be done).
+
+    One that folds is set in parts below each other where it is wider.
+    """
     header = tuple(((Text(column.title, "faint"),),) for column in table.columns)
     titled = any(column.title for column in table.columns)
     rows = ((header,) if titled else ()) + table.rows
-    widths = column_widths(_natural(rows, len(table.columns)), [c.breaks for c in table.columns], width)
-    return [line for row in rows for line in _row_lines(row, table.columns, widths)]
+    natural = _natural(rows, len(table.columns))
+    lines: list[Line] = []
+    for part in _parts(natural, width) if table.folds else [tuple(range(len(natural)))]:
+        columns = tuple(table.columns[k] for k in part)
+        widths = column_widths([natural[k] for k in part], [one.breaks for one in columns], width)
+        lines += [()] if lines else []
+        lines += [line for row in rows for line in _row_lines(tuple(row[k] for k in part), columns, widths)]
+    return lines
+
+
+def _parts(natural: Sequence[int], width: int) -> list[tuple[int, ...]]:
+    """Return the columns in parts that fit, as evenly as they come, the first column in each."""
+    first, rest = min(natural[0], width // 2), range(1, len(natural))
+    for count in range(1, len(natural)):
+        size = -(-len(rest) // count)
+        parts = [(0, *rest[k : k + size]) for k in range(0, len(rest), size)]
+        if all(first + sum(natural[k] + GAP for k in part[1:]) <= width for part in parts):
+            return parts
+    return [(0, k) for k in rest]
 
 
 def _natural(rows: tuple[tuple[Cell, ...], ...], count: int) -> list[int]:

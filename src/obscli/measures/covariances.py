@@ -1,0 +1,108 @@
+"""What the noise of the file makes of the targets: deviations before, by the filter, without measurements.
+
+    σ₀ = |c L₀|,   σ⁺ = |c L⁺|,   σ⁻ = |c L⁻|,    P = L Lᵀ
+
+and the smallest that the samples alone allow.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from obscli.numeric.deviation import deviations
+from obscli.numeric.information_bound import information_roots
+from obscli.numeric.kalman import roots_at
+from obscli.numeric.noise import noise_model
+from obscli.numeric.program import Array
+from obscli.numeric.schedule import Schedule, schedule_of
+
+
+if TYPE_CHECKING:
+    from obscli.measures.subject import Subject
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Covariances:
+    """Deviations of the targets at instants, in the file's units.
+
+    Parameters
+    ----------
+    prior : σ₀, shape (k,)
+    after, open_loop : σ⁺ and σ⁻, shape (instants, k)
+    first : L₀, shape (n, n)
+    last : L⁺ at the last instant, shape (n, n)
+    """
+
+    prior: Array
+    after: Array
+    open_loop: Array
+    first: Array
+    last: Array
+
+
+def covariances(subject: Subject, instants: Array) -> Covariances:
+    """Return the deviations of the targets at instants in order.
+
+    Raises
+    ------
+    NotComputableError
+        where the file does not give the noise of every output and a prior of every state
+    """
+    schedule = _schedule(subject, float(instants[-1]))
+    after, open_loop = roots_at(subject.system, schedule, instants)
+    first: Array = np.asarray(np.linalg.cholesky(noise_model(subject.numeric).P0), dtype=float)
+    forms = [subject.forms(float(t)) for t in (subject.start, *instants)]
+    return Covariances(
+        prior=_sizes(forms[0], first),
+        after=np.array([_sizes(c, root) for c, root in zip(forms[1:], after, strict=True)]),
+        open_loop=np.array([_sizes(c, root) for c, root in zip(forms[1:], open_loop, strict=True)]),
+        first=first,
+        last=after[-1],
+    )
+
+
+def _sizes(forms: Array, root: Array) -> Array:
+    size: Array = np.linalg.norm(forms @ root, axis=1)
+    return size
+
+
+def _schedule(subject: Subject, stop: float) -> Schedule:
+    return schedule_of(subject.system, subject.start, stop, subject.step)
+
+
+def shares_at(subject: Subject, instants: Array) -> Array:
+    """Return 1 − σ⁺/σ⁻ of the targets at instants; not a number where nothing is uncertain."""
+    return shares(covariances(subject, instants))
+
+
+def shares(found: Covariances) -> Array:
+    """Return 1 − σ⁺/σ⁻, shape (instants, k); not a number where σ⁻ is zero."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        part: Array = 1 - found.after / found.open_loop
+    return np.where(found.open_loop > 0, part, np.nan)
+
+
+def deviations_at(subject: Subject, instants: Array) -> Array:
+    """Return σ⁺ of the targets at instants."""
+    return covariances(subject, instants).after
+
+
+def bounds_at(subject: Subject, instants: Array) -> Array:
+    """Return the Cramér–Rao bounds of the targets at instants, infinite where a target is not observable.
+
+    Raises
+    ------
+    NotComputableError
+        where the file does not give the noise of every output
+    """
+    schedule = _schedule(subject, float(instants[-1]))
+    nothing = np.zeros((0, subject.n))
+    found = []
+    for t, root in zip(instants, information_roots(subject.system, schedule, instants), strict=True):
+        kernel = subject.directions(float(t))
+        bound = deviations(nothing, root, subject.forms(float(t)), kernel)
+        found.append(np.where(subject.observable, bound, np.inf))
+    return np.array(found)

@@ -1,0 +1,155 @@
+"""What measures are taken of: a system at the file's values, an instant, the units of the states, targets.
+
+Which targets are observable is known exactly before any measure is taken: a state that is not is marked so,
+whatever number a formula gives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from obscli.exact.closed_forms import ClosedForms, closed_forms
+from obscli.exact.finding import Analysis
+from obscli.measures.covariances import Covariances, covariances
+from obscli.measures.local import Local, local
+from obscli.model.expression import Expression, negate
+from obscli.model.system import Covector, System
+from obscli.numeric.hidden_motion import named
+from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.program import Array, Counts, Flags, Program
+
+
+#: What a target is to the reader.
+TargetKind: TypeAlias = Literal["state", "quantity", "combination"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Target:
+    """A linear form in the states, and whether it is observable; None: undecided."""
+
+    name: str
+    kind: TargetKind
+    coefficients: Covector
+    observable: bool | None
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """A system to be measured at an instant.
+
+    Parameters
+    ----------
+    system : as the file has it
+    analysis : the exact one at the file's values; its system has the parameters replaced
+    numeric : the system in floating point over the interval
+    start, at : the interval behind the instant
+    units : D, the units of the states in which measures are taken, shape (n,)
+    targets : states, quantities and combinations, in this order
+    options : of measures, by key and name
+    step : seconds between samples, where the file does not say
+    """
+
+    system: System
+    analysis: Analysis
+    numeric: NumericSystem
+    start: float
+    at: float
+    units: Array
+    targets: tuple[Target, ...]
+    options: Mapping[str, Mapping[str, float | str]] = field(default_factory=dict)
+    step: float | None = None
+
+    @property
+    def n(self) -> int:
+        """The number of states."""
+        return self.system.n
+
+    @property
+    def rank(self) -> int:
+        """The exact rank at the file's values."""
+        return self.analysis.rank
+
+    def number(self, key: str, name: str) -> float:
+        """Return an option that is a number."""
+        return float(self.options[key][name])
+
+    def word(self, key: str, name: str) -> str:
+        """Return an option that is a word."""
+        return str(self.options[key][name])
+
+    @cached_property
+    def local(self) -> Local:
+        """M(t) at the instant.
+
+        Raises
+        ------
+        NotMeasuredError
+            where it does not exist there
+        """
+        return local(self.numeric, self.analysis.system, self.rank, self.at, self.units)
+
+    @cached_property
+    def covariances(self) -> Covariances:
+        """Deviations at the instant; raises ``NotComputableError`` where the file does not give the noise."""
+        return covariances(self, np.array([self.at]))
+
+    def forms(self, t: float) -> Array:
+        """Return the targets at an instant in the file's units, shape (k, n)."""
+        found: Array = self.numeric.covectors([one.coefficients for one in self.targets], np.array([t]))[0][0]
+        return found
+
+    def covectors(self, t: float) -> Array:
+        """Return the targets at an instant in units D: c D, shape (k, n)."""
+        return self.forms(t) * self.units
+
+    def directions(self, t: float) -> Array:
+        """Return the unobservable directions at an instant, columns, shape (n, n − r)."""
+        found: Array = self.numeric.covectors(self.analysis.unobservable, np.array([t]))[0][0]
+        return found.T
+
+    @cached_property
+    def closed(self) -> ClosedForms | None:
+        """Measures in closed form, of all targets; None where there are none."""
+        if (self.units != 1).any() or not self.observable.all():
+            return None
+        return closed_forms(self.system, [one.coefficients for one in self.targets])
+
+    def value(self, expression: Expression) -> float:
+        """Return an expression in the names of the system at the file's values, at the instant."""
+        found = Program([expression]).run(self.numeric.values(np.array([self.at]), {}))[0]
+        return float(np.ravel(found)[0])
+
+    def positive(self, expression: Expression) -> Expression:
+        """Return an expression with the sign that makes it positive at the file's values."""
+        return negate(expression) if self.value(expression) < 0 else expression
+
+    @cached_property
+    def observable(self) -> Flags:
+        """Which targets are proved to be observable, shape (k,)."""
+        return np.array([one.observable is True for one in self.targets], dtype=bool)
+
+    @cached_property
+    def is_state(self) -> Flags:
+        """Which targets are states, shape (k,)."""
+        return np.array([one.kind == "state" for one in self.targets], dtype=bool)
+
+    @property
+    def states(self) -> Counts:
+        """The targets that are states, in order."""
+        return np.flatnonzero(self.is_state)
+
+    def of_states(self, values: Array) -> tuple[float | None, ...]:
+        """Return values of the states (n,) as those of all targets, None for the others."""
+        found: list[float | None] = [None] * len(self.targets)
+        for k, value in zip(self.states, values, strict=True):
+            found[k] = float(value)
+        return tuple(found)
+
+    def named(self, vector: Array) -> dict[str, float]:
+        """Return a direction in units D by state, the largest component 1, without rounding."""
+        return named(self.system, vector)

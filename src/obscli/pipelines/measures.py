@@ -1,0 +1,307 @@
+"""The work of ``obscli measures``: how well the states of every stage are observable, by all measures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from obscli.exact.analysis import analyze
+from obscli.exact.finding import Analysis, LinearFormVerdict, Undecided
+from obscli.exact.why import LIGHT
+from obscli.measures.catalogue import BY_KEY, MEASURES
+from obscli.measures.covariances import bounds_at, deviations_at, shares_at
+from obscli.measures.measure import Found, Measure, Option
+from obscli.measures.subject import Subject, Target
+from obscli.measures.taking import in_units, ranking, take
+from obscli.model.covector import parse_scalar
+from obscli.model.expression import ONE, is_one
+from obscli.model.notation import covector_text
+from obscli.model.specialise import at_nominal
+from obscli.model.system import Covector, Model, Requirement, System
+from obscli.numeric.errors import NotComputableError, UnfitRequestError
+from obscli.numeric.finding import NotComputed
+from obscli.numeric.horizon import Horizon, horizon_of
+from obscli.numeric.numeric_system import NumericSystem, constants_of
+from obscli.numeric.program import Array, constant_value
+from obscli.numeric.scaling import sizes_of
+from obscli.pipelines.measures_report import MeasuresReport
+from obscli.pipelines.measures_result import Curves, Limit, MeasuresResult, Reordering, Taken
+from obscli.pipelines.numerical import settings_of
+from obscli.pipelines.reading import chosen_systems, unknown
+from obscli.pipelines.request import Changes, MeasureScaling, MeasuresRequest, Progress, RequestError, silent
+
+
+#: Instants of a curve.
+_CURVE: Final = 200
+
+#: The measures from the noise that are drawn against time: functions of a subject and instants.
+DRAWN: Final[Mapping[str, Callable[[Subject, Array], Array]]] = {
+    "stochastic": shares_at,
+    "standard-deviation": deviations_at,
+    "cramer-rao": bounds_at,
+}
+
+#: Larger systems are not measured again in other units to see whether the ranking changes.
+_MOST_STATES: Final = 40
+
+#: What is read of one option.
+_Options = Mapping[str, Mapping[str, float | str]]
+
+
+def measures(
+    model: Model,
+    request: MeasuresRequest = MeasuresRequest(),  # noqa: B008 - frozen and empty
+    changes: Changes = Changes(),  # noqa: B008 - frozen and empty
+    progress: Progress = silent,
+) -> MeasuresReport:
+    """Measure how well the states, quantities and combinations of every stage are observable.
+
+    Raises
+    ------
+    RequestError
+        where there is no such stage, measure or option, or the numbers asked for do not fit the system
+    ModelError
+        where an instant is no expression in the names of the system
+    """
+    chosen = _chosen(request.select)
+    options = _options(chosen, request.options)
+    thresholds = _thresholds(request.thresholds)
+    results = []
+    for system in chosen_systems(model, request.stages):
+        progress(system.stage or model.name)
+        results.append(_Stage(model, system, request, chosen, options, progress).measured(thresholds))
+    return MeasuresReport(tuple(results), changes)
+
+
+def _chosen(select: Sequence[str]) -> tuple[Measure, ...]:
+    if not select:
+        return tuple(one for one in MEASURES if one.always)
+    for key in select:
+        if key not in BY_KEY:
+            raise RequestError(unknown("--select: no measure", key, list(BY_KEY)))
+    return tuple(one for one in MEASURES if one.key in select)
+
+
+def _options(chosen: Sequence[Measure], given: Mapping[str, str]) -> _Options:
+    """Return the options of all measures, those given read."""
+    found = {one.key: {option.name: option.default for option in one.options} for one in MEASURES}
+    known = {f"{one.key}.{option.name}": option for one in MEASURES for option in one.options}
+    for path, text in given.items():
+        if path not in known:
+            raise RequestError(unknown("--option: no option", path, list(known)))
+        key, _, name = path.partition(".")
+        if BY_KEY[key] not in chosen:
+            raise RequestError(f"--option {path}: the measure {key} is not selected")
+        found[key][name] = _read(path, text, known[path])
+    return found
+
+
+def _read(path: str, text: str, option: Option) -> float | str:
+    if option.choices:
+        if text not in option.choices:
+            raise RequestError(f"--option {path}: {text!r} is not one of {', '.join(option.choices)}")
+        return text
+    try:
+        value = float(text)
+    except ValueError:
+        value = np.nan
+    if not 0 < value < np.inf or (option.whole and value != round(value)):
+        kind = "whole number" if option.whole else "number"
+        raise RequestError(f"--option {path}: a positive {kind} is expected, not {text!r}")
+    return value
+
+
+def _thresholds(given: Mapping[str, str]) -> dict[str, float]:
+    found = {}
+    for key, text in given.items():
+        if key not in BY_KEY or BY_KEY[key].better is None:
+            raise RequestError(unknown("--threshold: no measure of states", key, _with_values()))
+        try:
+            found[key] = float(text)
+        except ValueError:
+            raise RequestError(f"--threshold {key}: a number is expected, not {text!r}") from None
+    return found
+
+
+def _with_values() -> list[str]:
+    return [one.key for one in MEASURES if one.better is not None]
+
+
+class _Stage:
+    """Measures one stage."""
+
+    def __init__(
+        self,
+        model: Model,
+        system: System,
+        request: MeasuresRequest,
+        chosen: tuple[Measure, ...],
+        options: _Options,
+        progress: Progress,
+    ) -> None:
+        self._model = model
+        self._system = system
+        self._request = request
+        self._chosen = chosen
+        self._options = options
+        self._progress = progress
+
+    def measured(self, thresholds: Mapping[str, float]) -> MeasuresResult:
+        """Return the measures at all instants, or why there are none."""
+        system, scaling = self._system, self._request.scaling
+        result = MeasuresResult(self._model, system, self._chosen, NotComputed(""), scaling, {})
+        try:
+            horizon = horizon_of(system, settings_of(system, self._request.numeric).wanted)
+            units = sizes_of(system, scaling)
+            instants = self._instants(horizon)
+            numeric = NumericSystem(system, horizon.start, max(horizon.stop, *instants))
+        except UnfitRequestError as error:
+            raise RequestError(f"{self._model.file}: {error}") from error
+        except NotComputableError as error:
+            return replace(result, taken=NotComputed(str(error)))
+        self._progress("observability matrix")
+        analysis = analyze(at_nominal(system).system(), LIGHT)
+        if isinstance(analysis, Undecided):
+            return replace(result, taken=analysis)
+        targets = targets_of(system, analysis, analyze(system, LIGHT))
+        subjects = [
+            Subject(
+                system,
+                analysis,
+                numeric,
+                horizon.start,
+                at,
+                units,
+                targets,
+                self._options,
+                self._request.step,
+            )
+            for at in instants
+        ]
+        taken = tuple(Taken(one, take(one, self._chosen, self._progress)) for one in subjects)
+        return replace(
+            result,
+            taken=taken,
+            units=dict(zip(system.state_names, map(float, units), strict=True)),
+            horizon=horizon,
+            limits=(*_required(self._model, taken[-1]), *_held(taken[-1], thresholds)),
+            reordered=tuple(self._reordered(taken[-1])),
+            curves=self._curves(taken[-1], horizon) if self._request.curves else None,
+        )
+
+    def _instants(self, horizon: Horizon) -> list[float]:
+        """Return the instants asked for, else the end of the interval."""
+        asked = [parse_scalar(self._system, text, "--at") for text in self._request.at]
+        found = sorted({constant_value(one, constants_of(self._system)) for one in asked})
+        for t in found:
+            if not horizon.start <= t < np.inf:
+                raise UnfitRequestError(
+                    f"the instant {t:.6g} is before the start {horizon.start:.6g} (--from)"
+                )
+        return found or [horizon.stop]
+
+    def _reordered(self, taken: Taken) -> Iterator[Reordering]:
+        """Yield the measures by which the states rank otherwise in other units that the file gives."""
+        subject = taken.subject
+        if subject.n > _MOST_STATES:
+            return
+        scaled = [one for one in self._chosen if one.scaled and one.better is not None]
+        for other in _other_scalings(self._system, self._request.scaling):
+            again = in_units(subject, sizes_of(self._system, other))
+            for measure, found in zip(scaled, take(again, scaled).values(), strict=True):
+                before = taken.found[measure.key]
+                if isinstance(before, Found) and isinstance(found, Found):
+                    own, theirs = ranking(subject, measure, before), ranking(again, measure, found)
+                    if own != theirs:
+                        yield Reordering(measure.key, own, theirs, other)
+
+    def _curves(self, taken: Taken, horizon: Horizon) -> Curves | None:
+        """Return the measures from the noise against time; None where there are none."""
+        drawn = [key for key in DRAWN if isinstance(taken.found.get(key), Found)]
+        if not drawn:
+            return None
+        self._progress("measures against time")
+        t = np.linspace(horizon.start, taken.subject.at, self._request.numeric.samples or _CURVE)
+        return Curves(t, {key: DRAWN[key](taken.subject, t) for key in drawn})
+
+
+def _other_scalings(system: System, own: MeasureScaling) -> Iterator[MeasureScaling]:
+    names: tuple[MeasureScaling, ...] = ("none", "prior", "scale")
+    for other in names:
+        try:
+            sizes = sizes_of(system, other)
+        except NotComputableError:
+            continue
+        if other != own and not np.array_equal(sizes, sizes_of(system, own)):
+            yield other
+
+
+def targets_of(system: System, analysis: Analysis, generic: Analysis | Undecided) -> tuple[Target, ...]:
+    """Return states, quantities and the combinations that are no single state, with what is known of each.
+
+    Parameters
+    ----------
+    system : as the file has it
+    analysis : of the system at the file's values
+    generic : of the system; its combinations are shown where they tell the same at the file's values
+    """
+    alike = (
+        isinstance(generic, Analysis) and generic.rank == analysis.rank and generic.states == analysis.states
+    )
+    shown = generic.combinations if alike and isinstance(generic, Analysis) else analysis.combinations
+    there = at_nominal(system)
+    states = [
+        Target(name, "state", {name: ONE}, analysis.states[name] == "observable")
+        for name in system.state_names
+    ]
+    quantities = [
+        Target(one.name, "quantity", there.covector(one.coefficients), _known(verdict.verdict))
+        for one, verdict in zip(system.quantities, analysis.quantities, strict=True)
+    ]
+    combinations = [
+        Target(
+            covector_text(one.coefficients, system.state_names),
+            "combination",
+            one.coefficients,
+            observable=True,
+        )
+        for one in shown
+        if not _is_state(one.coefficients)
+    ]
+    return (*states, *quantities, *combinations)
+
+
+def _known(verdict: LinearFormVerdict) -> bool | None:
+    return None if verdict == "undecided" else verdict == "observable"
+
+
+def _is_state(covector: Covector) -> bool:
+    return len(covector) == 1 and all(is_one(entry) for entry in covector.values())
+
+
+def _required(model: Model, taken: Taken) -> Iterator[Limit]:
+    """Yield the model's requirements on the deviation."""
+    if "standard-deviation" not in taken.found:
+        return
+    for one in model.require:
+        limit = _limit_value(one, taken)
+        value = taken.value("standard-deviation", one.name)
+        yield Limit("standard-deviation", one.name, limit, value, None if value is None else value <= limit)
+
+
+def _limit_value(one: Requirement, taken: Taken) -> float:
+    return constant_value(one.value, constants_of(taken.subject.system))
+
+
+def _held(taken: Taken, thresholds: Mapping[str, float]) -> Iterator[Limit]:
+    """Yield the states and quantities held against thresholds."""
+    for key, limit in thresholds.items():
+        for target in taken.subject.targets:
+            value = taken.value(key, target.name)
+            if target.kind == "combination" or value is None:
+                continue
+            met = value <= limit if BY_KEY[key].better == "smaller" else value >= limit
+            yield Limit(key, target.name, limit, value, met)
