@@ -45,7 +45,7 @@ def least_squares(subject: Subject) -> Found:
     count, step = round(subject.number(_KEY, "N")), subject.number(_KEY, "dt")
     end = subject.start + (count - 1) * step
     rows = _rows(subject, step, count) * subject.number(_KEY, "W") * subject.units
-    there = local(subject.numeric, subject.analysis.system, subject.rank, end, subject.units)
+    there = local(subject.numeric, subject.there, subject.rank, end, subject.units)
     bits = max(there.bits, PRECISIONS[1])
     with precision(bits, 1):
         U = there.orthogonal.U

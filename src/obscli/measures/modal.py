@@ -27,7 +27,7 @@ _ALIKE: Final = 1e-9
 
 def modal(subject: Subject) -> Found:
     """Return every eigenvalue with the factor of its mode, the least observable first."""
-    there = subject.analysis.system
+    there = subject.there
     if not subject.numeric.is_constant:
         raise NotMeasuredError("modes are those of a time-invariant system; this one depends on time")
     if there.n > _MOST_STATES:

@@ -45,7 +45,8 @@ class Subject:
     Parameters
     ----------
     system : as the file has it
-    analysis : the exact one at the file's values; its system has the parameters replaced
+    there : with the parameters replaced by their values
+    analysis : the exact one at the file's values
     numeric : the system in floating point over the interval
     start, at : the interval behind the instant
     units : D, the units of the states in which measures are taken, shape (n,)
@@ -55,6 +56,7 @@ class Subject:
     """
 
     system: System
+    there: System
     analysis: Analysis
     numeric: NumericSystem
     start: float
@@ -91,7 +93,7 @@ class Subject:
         NotMeasuredError
             where it does not exist there
         """
-        return local(self.numeric, self.analysis.system, self.rank, self.at, self.units)
+        return local(self.numeric, self.there, self.rank, self.at, self.units)
 
     @cached_property
     def covariances(self) -> Covariances:

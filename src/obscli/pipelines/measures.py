@@ -163,13 +163,17 @@ class _Stage:
         except NotComputableError as error:
             return replace(result, taken=NotComputed(str(error)))
         self._progress("observability matrix")
-        analysis = analyze(at_nominal(system).system(), LIGHT)
+        there, generic = at_nominal(system).system(), analyze(system, LIGHT)
+        analysis = analyze(there, LIGHT)
         if isinstance(analysis, Undecided):
-            return replace(result, taken=analysis)
-        targets = targets_of(system, analysis, analyze(system, LIGHT))
+            if isinstance(generic, Undecided) or generic.at_values.rank != generic.rank:
+                return replace(result, taken=analysis)
+            analysis = generic  # the rank is the same: what is observable for generic values is so at these
+        targets = targets_of(system, analysis, generic)
         subjects = [
             Subject(
                 system,
+                there,
                 analysis,
                 numeric,
                 horizon.start,
