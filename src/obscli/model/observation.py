@@ -31,10 +31,10 @@ def observation(
     H = dense(matrix, None, len(names_of(draft.states)), plain, problems)
     if H is None:
         return None
-    if len(draft.outputs) == H.rows:
+    names = tuple(f"y{i}" for i in range(1, H.rows + 1))
+    if len(draft.outputs) == H.rows and not {"y", *names} > draft.outputs.keys() > {"y"}:
         pairs = draft.outputs.items()
         return H, tuple(Output(name, one.key.place, "", one.unit) for name, one in pairs)
-    names = tuple(f"y{i}" for i in range(1, H.rows + 1))
     _check_names(draft, (*names, "y"), problems)
     return H, tuple(Output(name, matrix.place, "y", _unit(draft, name, "y")) for name in names)
 

@@ -117,7 +117,8 @@ def list_lines(key: str, items: Sequence[str], indent: str = "") -> list[str]:
     line = f"{indent}{key}: [{', '.join(items)}]"
     if len(line) <= WIDEST:
         return [line]
-    body = textwrap.wrap(", ".join(items), WIDEST - 4, break_long_words=False, break_on_hyphens=False)
+    width = WIDEST - 4 - len(indent)
+    body = textwrap.wrap(", ".join(items), width, break_long_words=False, break_on_hyphens=False)
     return [f"{indent}{key}: [", *(f"{indent}{INDENT}{part}" for part in body), f"{indent}]"]
 
 
