@@ -16,7 +16,7 @@ from obscli.model.reader import load, read_text
 from obscli.model.source import HARMFUL, checked
 from obscli.model.trouble import Problems
 from obscli.model.write import Heading, write_model
-from obscli.model.write_text import block_lines, formula, prose_lines, scalar
+from obscli.model.write_text import WIDEST, block_lines, formula, prose_lines, scalar
 
 
 #: What YAML, or the reader of split expressions, might take for its own.
@@ -49,10 +49,15 @@ def assert_same(left, right):
     assert [one.name for one in left.functions] == [one.name for one in right.functions]
     assert len(left.invariants) == len(right.invariants)
     assert [vars_of(one) for one in left.states] == [vars_of(one) for one in right.states]
-    assert [(one.name, one.unit) for one in left.outputs] == [(one.name, one.unit) for one in right.outputs]
+    assert [sampling_of(one) for one in left.outputs] == [sampling_of(one) for one in right.outputs]
     assert [one.name for one in left.quantities] == [one.name for one in right.quantities]
     if left.G is not None:
         assert left.disturbances == right.disturbances
+
+
+def sampling_of(one):
+    spans = [tuple(map(formula, span)) for span in one.during or ()]
+    return one.name, one.unit, one.every and formula(one.every), spans
 
 
 def vars_of(one):
@@ -86,6 +91,29 @@ def test_noise_is_read_back():
     assert again.interval.samples == 7
     assert formula(again.interval.stop) == "2*pi"
     assert again.noise.step.value == Fraction(1, 10)
+
+
+def test_sampling_of_outputs_is_read_back():
+    text = (
+        "parameters: {f_s: 3, T: 60}\nstates: {x: 2}\ndynamics: {x2: x1}\nmeasurements: {gnss: x, odo: x2}\n"
+        "outputs: {gnss: {unit: m/s, every: 1/f_s, during: [[0, T/7], [2*pi*T, 400*T]]}, odo: {every: 1e-3}}\n"
+    )
+    system = read_text(text, "sampled.yaml").systems[0]
+    again = read_text(write_model(system), "again.yaml").systems[0]
+    assert_same(system, again)
+    assert sampling_of(again.outputs[1]) == ("gnss2", "m/s", "1/f_s", [("0", "T/7"), ("2*pi*T", "400*T")])
+    assert sampling_of(again.outputs[2]) == ("odo", "", "0.001", [])
+
+
+def test_many_outages_are_read_back():
+    spans = [[2 * k, 2 * k + 1] for k in range(200)]
+    text = f"states: [x]\nA: [[0]]\nH: [[1]]\noutputs: {{y1: {{every: 0.1, during: {spans}}}}}\n"
+    written = write_model(read_text(text, "many.yaml").systems[0])
+    again = read_text(written, "again.yaml").systems[0]
+    assert [tuple(map(formula, span)) for span in again.outputs[0].during] == [
+        (str(start), str(stop)) for start, stop in spans
+    ]
+    assert max(map(len, written.splitlines())) <= WIDEST
 
 
 def test_names_of_inputs_that_are_taken_are_not_written():

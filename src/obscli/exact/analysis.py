@@ -199,16 +199,20 @@ def _varying(proof: Proof) -> tuple[str, ...]:
 
 
 def _notes(system: System) -> tuple[str, ...]:
-    """A relation that holds in reality but is not stated makes the rank an upper bound."""
-    if not any(f.derivative is None for f in system.functions):
-        return ()
-    names = ", ".join(f.name for f in system.functions if f.derivative is None)
-    return (
-        (
-            f"The rank holds for generic {names}; relations among them that the file does not state "
+    """Say what the rank does not take into account: relations that are not stated, outages of outputs."""
+    free = ", ".join(f.name for f in system.functions if f.derivative is None)
+    notes = []
+    if free:
+        notes.append(
+            f"The rank holds for generic {free}; relations among them that the file does not state "
             "can lower it."
-        ),
-    )
+        )
+    if system.interrupted:
+        notes.append(
+            f"Outages of {', '.join(system.interrupted)} are not taken into account here: rank and Gramian "
+            "are those of outputs without outages; obscli simulate takes the samples as they come."
+        )
+    return tuple(notes)
 
 
 def compare(before: Analysis, after: Analysis, substitution: str) -> Neglect:

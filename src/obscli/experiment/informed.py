@@ -25,7 +25,7 @@ from obscli.numeric.deviation import deviations, unseen
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.horizon import Horizon, Wanted, horizon_of
 from obscli.numeric.information import information
-from obscli.numeric.noise import noise_model
+from obscli.numeric.noise import continuous_noise, steps_of
 from obscli.numeric.numeric_system import NumericSystem, constants_of, missing_values
 from obscli.numeric.program import Array, Counts, constant_value
 
@@ -147,7 +147,7 @@ def informed(
                 raise NotComputableError(
                     f"run {run.name}: {error}" if run.system.noise else str(error)
                 ) from None
-    model = noise_model(_numeric(runs[0].system)[0], names)
+    model = continuous_noise(_numeric(runs[0].system)[0], names)
     kept = _indices(runs[0].system, names)
     required, covectors, beside = _required(shared, requirements)
     return Informed(
@@ -183,14 +183,13 @@ def _told(one: RunRows, shared: Sequence[str]) -> tuple[Array, Array, Array, Arr
     """Return instants since a run's start, roots of information there, exact rows without and with priors."""
     run, rows = one.run, _numbers(one.rows, shared)
     numeric, horizon = _numeric(run.system)
-    model = noise_model(numeric, shared)
+    model = continuous_noise(numeric, shared)
     kept = _indices(run.system, shared)
     fresh = np.setdiff1d(np.arange(run.system.n), kept)
     duration = horizon.stop - horizon.start
     elapsed = duration * np.array(FRACTIONS)
-    step = run.system.noise.step if run.system.noise else None
-    if step is not None:  # nothing is known before the first sample
-        elapsed = elapsed[elapsed >= min(known_value(step, run.system), duration)]
+    first = min((0.0 if step is None else step for step in steps_of(run.system)), default=0.0)
+    elapsed = elapsed[elapsed >= min(first, duration)]  # nothing is known before the first sample
     prior = model.prior(fresh)
     roots = information(model, horizon.start, horizon.start + elapsed, kept, prior)
     seen = _seen(numeric, horizon.start, kept, fresh[~prior[:, fresh].any(axis=0)]) if len(prior) else rows

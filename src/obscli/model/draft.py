@@ -52,6 +52,26 @@ class Sparse:
     rows: Mapping[str, tuple[Scalar, Entries | Formula]]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class SpanDraft:
+    """An interval ``[start, stop]``."""
+
+    node: Node
+    path: str
+    start: Formula
+    stop: Formula
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OutputDraft:
+    """One entry of ``outputs``; empty and None where the file says nothing."""
+
+    key: Scalar
+    unit: str = ""
+    every: Formula | None = None
+    during: tuple[SpanDraft, ...] | None = None
+
+
 MatrixDraft: TypeAlias = Formula | Sparse
 
 
@@ -74,7 +94,7 @@ class Draft:
     dynamics: Entries | None = None
     measurements: Entries | None = None
     matrices: Mapping[str, MatrixDraft] = field(default_factory=dict)
-    outputs: Mapping[str, tuple[Scalar, str]] = field(default_factory=dict)
+    outputs: Mapping[str, OutputDraft] = field(default_factory=dict)
     noise: Node | None = None
     interval: Node | None = None
     linearize: Entries | None = None
@@ -107,7 +127,7 @@ def merged(base: Draft, stage: Draft) -> Draft:
         dynamics=None if "A" in stage.matrices else _joined(base.dynamics, stage.dynamics),
         measurements=None if "H" in stage.matrices else _joined(base.measurements, stage.measurements),
         matrices=matrices,
-        outputs={**base.outputs, **stage.outputs},
+        outputs={**base.outputs, **_merged_outputs(base, stage)},
         noise=_merged_nodes(base.noise, stage.noise),
         interval=_merged_nodes(base.interval, stage.interval),
     )
@@ -141,6 +161,17 @@ def _merged_parameters(base: Draft, stage: Draft) -> dict[str, ParameterDraft]:
                 new.unit or old.unit,
                 new.description or old.description,
             )
+    return result
+
+
+def _merged_outputs(base: Draft, stage: Draft) -> dict[str, OutputDraft]:
+    """Replace what the stage states of an output; the rest stays."""
+    result = dict(stage.outputs)
+    for name, new in stage.outputs.items():
+        old = base.outputs.get(name)
+        if old is not None:
+            during = old.during if new.during is None else new.during
+            result[name] = OutputDraft(new.key, new.unit or old.unit, new.every or old.every, during)
     return result
 
 

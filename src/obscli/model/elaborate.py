@@ -23,6 +23,7 @@ from obscli.model.noise import Targets, noise_of
 from obscli.model.nominal import nominal_values
 from obscli.model.observation import observation
 from obscli.model.prior import prior_deviations
+from obscli.model.sampling import sampled
 from obscli.model.scope import Scope
 from obscli.model.system import Quantity, State, System
 from obscli.model.trouble import Incomplete, Problems
@@ -76,7 +77,7 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
     if dynamics is None or measured is None:
         _report_missing(draft, setting, problems)
         return None
-    H, outputs = measured
+    H, outputs = measured[0], sampled(measured[1], draft, known, problems)
     targets = Targets(
         tuple((state.name, state.vector) for state in states),
         _disturbances(draft, dynamics.disturbances),

@@ -31,23 +31,24 @@ def observation(
     H = dense(matrix, None, len(names_of(draft.states)), plain, problems)
     if H is None:
         return None
-    if len(draft.outputs) == H.rows:
-        pairs = draft.outputs.items()
-        return H, tuple(Output(name, key.place, "", unit) for name, (key, unit) in pairs)
     names = tuple(f"y{i}" for i in range(1, H.rows + 1))
+    if len(draft.outputs) == H.rows and not {"y", *names} > draft.outputs.keys() > {"y"}:
+        pairs = draft.outputs.items()
+        return H, tuple(Output(name, one.key.place, "", one.unit) for name, one in pairs)
     _check_names(draft, (*names, "y"), problems)
     return H, tuple(Output(name, matrix.place, "y", _unit(draft, name, "y")) for name in names)
 
 
 def _unit(draft: Draft, *names: str) -> str:
-    return next((draft.outputs[name][1] for name in names if name in draft.outputs), "")
+    units = (draft.outputs[name].unit for name in names if name in draft.outputs)
+    return next((unit for unit in units if unit), "")
 
 
 def _check_names(draft: Draft, known: Sequence[str], problems: Problems) -> None:
-    for name, (key, _) in draft.outputs.items():
+    for name, one in draft.outputs.items():
         if name not in known:
             message = f"'{shown(name)}' is no output{nearest(name, known)}"
-            problems.add(key.problem("outputs", message))
+            problems.add(one.key.problem("outputs", message))
 
 
 def _measured(draft: Draft, scope: Scope, problems: Problems) -> tuple[Matrix, tuple[Output, ...]]:

@@ -8,6 +8,7 @@ from obscli.model.declaration import Declared, declared
 from obscli.model.draft import Draft, Entries, Entry, FunctionDraft, MatrixDraft, ParameterDraft, Sparse
 from obscli.model.formula import Formula, formula
 from obscli.model.keys import choice_of, fields, name_of, text_of
+from obscli.model.sampling import read_outputs
 from obscli.model.tree import Broken, Mapping, Node, Scalar, Sequence
 from obscli.model.trouble import Problems
 
@@ -57,7 +58,7 @@ def read_draft(root: Node, path: str, known: tuple[str, ...], problems: Problems
         dynamics=_optional_entries(node("dynamics"), under("dynamics"), problems),
         measurements=_optional_entries(node("measurements"), under("measurements"), problems, named=True),
         matrices=_matrices({key: node(key) for key in "AHBG"}, path, problems),
-        outputs=_outputs(node("outputs"), under("outputs"), problems),
+        outputs=read_outputs(node("outputs"), under("outputs"), problems),
         noise=node("noise"),
         interval=node("interval"),
     )
@@ -165,17 +166,3 @@ def _sparse(node: Mapping, path: str, problems: Problems) -> Sparse:
         elif not isinstance(row, Broken):
             rows[name] = (key, formula(row, below, problems))
     return Sparse(node, path, rows)
-
-
-def _outputs(node: Node | None, path: str, problems: Problems) -> dict[str, tuple[Scalar, str]]:
-    result = {}
-    for name, (key, value) in fields(node, path, None, problems).items():
-        below = f"{path}.{name}"
-        given = fields(value, below, ("unit", "every", "during", "description"), problems)
-        for late in ("every", "during"):
-            if late in given:
-                hint = "sampling and outages of outputs are not read; delete the key"
-                problems.add(given[late][0].problem(below, f"`{late}` is not supported yet", hint))
-        if name_of(key, path, problems) is not None:
-            result[name] = (key, text_of(given.get("unit"), f"{below}.unit", problems))
-    return result

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from obscli.model.expression import Expression, Symbol, TimeDerivative, is_zero, substitute
-from obscli.model.system import Covector, Function, Interval, Invariant, Matrix, Noise, System
+from obscli.model.system import Covector, Function, Interval, Invariant, Matrix, Noise, Output, System
 
 
 class Specialisation:
@@ -74,6 +74,7 @@ def exchanged(system: System, exchange: Callable[[Expression], Expression]) -> S
         quantities=tuple(
             replace(one, coefficients=_covector(one.coefficients, exchange)) for one in system.quantities
         ),
+        outputs=tuple(_output(one, exchange) for one in system.outputs),
         states=tuple(replace(one, scale=one.scale and exchange(one.scale)) for one in system.states),
         prior=_covector(system.prior, exchange),
         interval=system.interval and _interval(system.interval, exchange),
@@ -82,6 +83,11 @@ def exchanged(system: System, exchange: Callable[[Expression], Expression]) -> S
 
 def _covector(covector: Covector, exchange: Callable[[Expression], Expression]) -> Covector:
     return {state: exchange(entry) for state, entry in covector.items()}
+
+
+def _output(output: Output, exchange: Callable[[Expression], Expression]) -> Output:
+    during = output.during and tuple((exchange(start), exchange(stop)) for start, stop in output.during)
+    return replace(output, every=output.every and exchange(output.every), during=during)
 
 
 def _noise(noise: Noise, exchange: Callable[[Expression], Expression]) -> Noise:

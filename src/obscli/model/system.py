@@ -140,7 +140,7 @@ class Noise:
     ----------
     Q : spectral density of w, None where there is none
     driven : the names Q is over: the states themselves, or the disturbances
-    R : spectral density of v, or its covariance per sample where there is a ``step``; None: not given
+    R : spectral density of v, or covariance per sample where there is ``step`` or ``every``; None: not given
     P0 : initial covariance of the states it is given for; a state without an entry has no prior
     step : time between samples
     place : where the file gives it
@@ -210,6 +210,13 @@ class System:
     def state_names(self) -> tuple[str, ...]:
         """The names of the states, in order."""
         return tuple(state.name for state in self.states)
+
+    @property
+    def interrupted(self) -> tuple[str, ...]:
+        """The names of the outputs with outages; a vector's own where all of it has them."""
+        whole = {one.vector for one in self.outputs} - {one.vector for one in self.outputs if not one.during}
+        names = (one.vector if one.vector in whole else one.name for one in self.outputs if one.during)
+        return tuple(dict.fromkeys(names))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

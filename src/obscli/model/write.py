@@ -12,10 +12,11 @@ from typing import Final
 
 from obscli.model.expression import Expression, symbols
 from obscli.model.notation import covector_text
-from obscli.model.system import Function, Matrix, Parameter, Quantity, State, System
+from obscli.model.system import Function, Matrix, Output, Parameter, Quantity, State, System
 from obscli.model.write_noise import noise_lines
 from obscli.model.write_text import (
     Entry,
+    Items,
     Value,
     block_lines,
     entry_lines,
@@ -170,9 +171,24 @@ def _matrices(system: System) -> Iterator[str]:
             yield from _dense(key, matrix)
         else:
             yield from _sparse(key, matrix, states, names, everything=False)
-    units = [(one.name, [("unit", scalar(one.unit))]) for one in system.outputs if one.unit]
-    if units:
-        yield from entry_lines("outputs", units)
+    yield from _outputs(system)
+
+
+def _outputs(system: System) -> Iterator[str]:
+    """Yield what is said of outputs beside their rows."""
+    described = [(one.name, _output(one)) for one in system.outputs]
+    if any(entries for _, entries in described):
+        yield from entry_lines("outputs", [one for one in described if one[1]])
+
+
+def _output(one: Output) -> list[Entry]:
+    entries = _texts({"unit": one.unit})
+    if one.every is not None:
+        entries.append(("every", formula(one.every)))
+    if one.during is not None:
+        spans = tuple(f"[{formula(start)}, {formula(stop)}]" for start, stop in one.during)
+        entries.append(("during", Items(spans)))
+    return entries
 
 
 def _sparse(

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 from obscli.model.expression import Expression, Number, Symbol, children, negate, postorder, rebuild
@@ -24,9 +25,16 @@ _PLAIN: Final = re.compile(r"(?:\w|\(|-(?=[\w(]))[\w +*/().^-]*(?<! )")
 _PLAIN_LINE: Final = re.compile(r"[A-Za-z][^:#\"\\\x00-\x1f]*(?<! )")
 _NULLS: Final = frozenset({"", "~", "null"})
 
-#: A text already quoted, or entries in braces or below each other.
-Value: TypeAlias = "str | Sequence[Entry]"
+#: A text already quoted, or entries in braces or below each other, or items in brackets.
+Value: TypeAlias = "str | Sequence[Entry] | Items"
 Entry: TypeAlias = "tuple[str, Value]"
+
+
+@dataclass(frozen=True, slots=True)
+class Items:
+    """A list of texts already quoted, in one line or over several."""
+
+    texts: tuple[str, ...]
 
 
 def scalar(text: str) -> str:
@@ -86,6 +94,8 @@ def entry_lines(key: str, value: Value, indent: str = "") -> list[str]:
     line = f"{start} {_in_line(value)}"
     if isinstance(value, str) or not value or len(line) <= WIDEST:
         return [line]
+    if isinstance(value, Items):
+        return list_lines(key, value.texts, indent)
     return [start, *block_lines(value, indent + INDENT)]
 
 
@@ -97,6 +107,8 @@ def block_lines(entries: Iterable[Entry], indent: str = INDENT) -> list[str]:
 def _in_line(value: Value) -> str:
     if isinstance(value, str):
         return value
+    if isinstance(value, Items):
+        return f"[{', '.join(value.texts)}]"
     return "{" + ", ".join(f"{scalar(key)}: {_in_line(inner)}" for key, inner in value) + "}"
 
 
@@ -105,7 +117,8 @@ def list_lines(key: str, items: Sequence[str], indent: str = "") -> list[str]:
     line = f"{indent}{key}: [{', '.join(items)}]"
     if len(line) <= WIDEST:
         return [line]
-    body = textwrap.wrap(", ".join(items), WIDEST - 4, break_long_words=False, break_on_hyphens=False)
+    width = WIDEST - 4 - len(indent)
+    body = textwrap.wrap(", ".join(items), width, break_long_words=False, break_on_hyphens=False)
     return [f"{indent}{key}: [", *(f"{indent}{INDENT}{part}" for part in body), f"{indent}]"]
 
 

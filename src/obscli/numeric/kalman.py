@@ -1,25 +1,147 @@
 """The covariance of the Kalman filter along an interval, as a square root.
 
-Signatures; the computation follows.
+    P(t)⁻¹ = Φ⁻ᵀ (P₀⁻¹ + W_R) Φ⁻¹    where nothing drives
+
+Panel by panel in coordinates of its start: without driving noise the samples between two instants recorded
+are taken together, with driving noise one by one. Beside it the open loop, had nothing been measured.
+
+References
+----------
+R. E. Kalman, A New Approach to Linear Filtering and Prediction Problems (1960).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
 from obscli.model.system import System
+from obscli.numeric.errors import NotComputableError
 from obscli.numeric.linear_forms import Forms
-from obscli.numeric.program import Array
+from obscli.numeric.program import Array, Flags
 from obscli.numeric.progress import Progress, silent
+from obscli.numeric.sampled_system import SampledSystem, Stretch, Timeline, timeline_of
 from obscli.numeric.schedule import Schedule
 from obscli.numeric.simulation_finding import History
+from obscli.numeric.square_root_filter import compressed, informed, measured
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Known:
+    """What is known after the samples at an instant: its index, Φ L (n, n), and that of the open loop."""
+
+    index: int
+    root: Array
+    open_loop: Array
 
 
 def covariance_history(
     system: System, schedule: Schedule, forms: Forms, recorded: int = 500, progress: Progress = silent
 ) -> History:
-    """Return the standard deviations of linear forms along the interval of a schedule."""
-    raise NotImplementedError
+    """Return the standard deviations of linear forms along the interval of a schedule.
+
+    Parameters
+    ----------
+    recorded : at how many instants at the most
+    progress : told where the filter is; an interrupt keeps what is done
+
+    Raises
+    ------
+    NotComputableError
+        where a state has no P0, or the system cannot be integrated
+    """
+    sampled = SampledSystem(system, schedule)
+    timeline = timeline_of([sampled], schedule)
+    marks = timeline.marks(recorded)
+    t = timeline.t[marks]
+    rows = forms.at(sampled.numeric, t)
+    prior = deviations(forms.at(sampled.numeric, t[:1])[0], sampled.prior)
+    found: list[tuple[Array, Array]] = []
+    complete = True
+    try:
+        for known in _followed(sampled, timeline, marks, progress):
+            row = rows[len(found)]
+            found.append((deviations(row, known.root), deviations(row, known.open_loop)))
+    except KeyboardInterrupt:
+        complete = False
+    k = len(found)
+    closed, opened = np.array(found).reshape(k, 2, len(forms.names)).swapaxes(0, 1)
+    return History(
+        forms.names, forms.kinds, t[:k], closed, opened, prior, schedule.samples_until(t[:k]), complete
+    )
 
 
 def roots_at(system: System, schedule: Schedule, instants: Array) -> tuple[Array, Array]:
-    """Return L with P = L Lᵀ after the samples up to each instant, and of the open loop, (k, n, n) each."""
-    raise NotImplementedError
+    """Return L with P = L Lᵀ after the samples up to each instant, and of the open loop, (k, n, n) each.
+
+    Parameters
+    ----------
+    instants : within the interval of the schedule, ascending, shape (k,)
+    """
+    sampled = SampledSystem(system, schedule)
+    timeline, places = timeline_of([sampled], schedule).including(instants)
+    marks = np.isin(np.arange(len(timeline.t)), places)
+    found = {one.index: one for one in _followed(sampled, timeline, marks, silent)}
+    roots = np.array([found[k].root for k in places])
+    return roots, np.array([compressed([found[k].open_loop]) for k in places])
+
+
+def deviations(rows: Array, root: Array) -> Array:
+    """Return the standard deviations of linear forms (r, n) where P = L Lᵀ, shape (r,)."""
+    found: Array = np.linalg.norm(rows @ root, axis=1)
+    return found
+
+
+def _followed(
+    sampled: SampledSystem, timeline: Timeline, marks: Flags, progress: Progress
+) -> Iterator[_Known]:
+    """Yield what is known at the marks."""
+    root = opened = sampled.prior
+    for stretch in sampled.stretches(timeline):
+        part = slice(stretch.first, stretch.first + len(stretch.rows))
+        progress(f"t = {timeline.t[part.start]:.6g} of {timeline.t[-1]:.6g}")
+        rows = sampled.whitening(timeline.sample[part]) @ stretch.rows
+        taken = timeline.sample[part] >= 0
+        if stretch.noise is None:
+            walk = _still(root, rows, taken, marks[part])
+        else:
+            walk = _driven(root, stretch.noise, rows, taken, marks[part])
+        for k, root in walk:  # the last one is that at the panel's end
+            if marks[stretch.first + k]:
+                yield _known(stretch, k, root, opened)
+        end = stretch.transition[-1]
+        root = end @ root
+        opened = end @ opened if stretch.noise is None else compressed([end @ opened, *(end @ stretch.noise)])
+
+
+def _still(root: Array, rows: Array, taken: Flags, marks: Flags) -> Iterator[tuple[int, Array]]:
+    """Yield L at the marks of a panel in which nothing drives, and at its end."""
+    n = root.shape[0]
+    begin = 0
+    for k in np.union1d(np.flatnonzero(marks), [len(rows) - 1]):
+        part = slice(begin, int(k) + 1)
+        if taken[part].any():
+            root = informed(root, rows[part][taken[part]].reshape(-1, n))
+        begin = int(k) + 1
+        yield int(k), root
+
+
+def _driven(
+    root: Array, noise: Array, rows: Array, taken: Flags, marks: Flags
+) -> Iterator[tuple[int, Array]]:
+    """Yield L at the marks of a panel in which noise drives, and at its end."""
+    for k, entered in enumerate(noise):
+        root = measured(root, rows[k], entered)[0] if taken[k] else compressed([root, entered])
+        if marks[k] or k == len(rows) - 1:
+            yield k, root
+
+
+def _known(stretch: Stretch, k: int, root: Array, opened: Array) -> _Known:
+    phi = stretch.transition[k]
+    parts = [opened] if stretch.noise is None else [opened, *stretch.noise[: k + 1]]
+    known = _Known(stretch.first + k, phi @ root, phi @ np.concatenate(parts, axis=1))
+    if not (np.isfinite(known.root).all() and np.isfinite(known.open_loop).all()):
+        raise NotComputableError("the covariance is beyond all numbers: choose a shorter interval (--to)")
+    return known

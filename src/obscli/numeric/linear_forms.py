@@ -9,7 +9,6 @@ import numpy as np
 
 from obscli.model.expression import ONE
 from obscli.model.system import Covector, System
-from obscli.numeric.errors import NotComputableError
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import Array
 from obscli.numeric.simulation_finding import Followed
@@ -24,21 +23,9 @@ class Forms:
     covectors: tuple[Covector, ...]
 
     def at(self, numeric: NumericSystem, t: Array) -> Array:
-        """Return the forms at k instants, shape (k, r, n).
-
-        Raises
-        ------
-        NotComputableError
-            where one does not exist at some instant
-        """
+        """Return the forms at k instants, shape (k, r, n); not numbers where one does not exist."""
         found = numeric.covectors(self.covectors, t)[0]
-        wrong = np.argwhere(~np.isfinite(found).all(axis=2))
-        if len(wrong):
-            k, i = wrong[0]
-            raise NotComputableError(
-                f"{self.names[i]} does not exist at {numeric.system.time} = {t[k]:.6g}: choose an interval "
-                "that leaves it out (--from, --to)"
-            )
+        found[~np.isfinite(found).all(axis=2)] = np.nan
         return found
 
 

@@ -1,15 +1,37 @@
 """A Kalman filter designed on one model, run on another: what it claims, and what its errors are.
 
-Signatures; the computation follows.
+The joint covariance of true states and errors (z, ε) is carried as a square root J, see ``joint_errors``; a
+sample appends columns for its noise:
+
+    J ← (J_z          0    )
+        (J_ε − K (D J_z + B J_ε)   −K W R^½)
+
+Columns are compressed to a triangle when they have become many.
+
+References
+----------
+A. Gelb (ed.), Applied Optimal Estimation (1974), 7.2 (sensitivity analysis).
 """
 
 from __future__ import annotations
 
+from typing import Final
+
+import numpy as np
+
 from obscli.model.system import System
+from obscli.numeric.joint_errors import Pair
 from obscli.numeric.linear_forms import Forms
+from obscli.numeric.program import Array
 from obscli.numeric.progress import Progress, silent
+from obscli.numeric.sampled_system import SampledSystem, timeline_of
 from obscli.numeric.schedule import Schedule
 from obscli.numeric.simulation_finding import MismatchHistory
+from obscli.numeric.square_root_filter import compressed
+
+
+#: Columns are compressed when they are more than so many per row.
+_GATHERED: Final = 4
 
 
 def mismatch_history(
@@ -21,5 +43,73 @@ def mismatch_history(
     recorded: int = 500,
     progress: Progress = silent,
 ) -> MismatchHistory:
-    """Return the claimed and the true deviations of forms in the filter's states."""
-    raise NotImplementedError
+    """Return the claimed and the true deviations of forms in the filter's states.
+
+    Parameters
+    ----------
+    forms : of the filter; a state that the truth does not have is zero there
+    recorded : at how many instants at the most
+    progress : told where the filter is; an interrupt keeps what is done
+
+    Raises
+    ------
+    NotComputableError
+        where a state has no P0, the filter takes samples that the truth does not have, or a system cannot be
+        integrated
+    """
+    pair = Pair(SampledSystem(truth, truth_schedule), SampledSystem(filter_, filter_schedule))
+    timeline = timeline_of([pair.truth, pair.design], filter_schedule)
+    marks = timeline.marks(recorded)
+    t = timeline.t[marks]
+    rows = forms.at(pair.design.numeric, t)
+    joint = _Root(pair.prior, truth.n)
+    found: list[tuple[Array, Array]] = []
+    complete = True
+    try:
+        for known in pair.follow(joint, timeline, marks, progress):
+            row = rows[len(found)]
+            claimed = row @ known.filter_transition @ known.root
+            true = row @ known.error_transition @ joint.columns
+            found.append((np.linalg.norm(claimed, axis=1), np.linalg.norm(true, axis=1)))
+    except KeyboardInterrupt:
+        complete = False
+    claimed, true = np.array(found).reshape(-1, 2, len(forms.names)).swapaxes(0, 1)
+    done = t[: len(found)]
+    return MismatchHistory(
+        forms.names,
+        forms.kinds,
+        done,
+        claimed,
+        true,
+        tuple(name for name in truth.state_names if name not in filter_.state_names),
+        filter_schedule.samples_until(done),
+        complete,
+    )
+
+
+class _Root:
+    """A square root of the covariance of (z, ε)."""
+
+    def __init__(self, root: Array, states: int) -> None:
+        self._root = root.copy()
+        self._states = states
+
+    @property
+    def columns(self) -> Array:
+        return self._root
+
+    def add(self, root: Array) -> None:
+        self._append(root)
+
+    def correct(self, rows: Array, noise: Array, gain: Array) -> None:
+        seen = rows @ self._root
+        self._root[self._states :] -= gain @ seen
+        self._append(np.concatenate([np.zeros((self._states, noise.shape[1])), -gain @ noise]))
+
+    def move(self, transition: Array) -> None:
+        self._root = compressed([transition @ self._root])
+
+    def _append(self, columns: Array) -> None:
+        parts = [self._root, columns]
+        gathered = self._root.shape[1] + columns.shape[1] > _GATHERED * len(self._root)
+        self._root = compressed(parts) if gathered else np.concatenate(parts, axis=1)

@@ -1,15 +1,53 @@
-"""Runs of a Kalman filter with random errors, all runs at once.
+"""Runs of a Kalman filter with random errors, all runs at once, and whether they spread as the filter says.
 
-Signatures; the computation follows.
+Every run is a column of errors (z, ε), see ``joint_errors``, driven and measured with noise of its own and
+corrected with the same gains. Averages over N runs of
+
+    NEES  eᵀ P⁻¹ e,  over n degrees of freedom (the rank of P),    NIS  νᵀ S⁻¹ ν,  over the outputs sampled
+
+times N n have the χ² distribution of N n degrees of freedom where the filter is consistent. Numbers are drawn
+at every sample and panel, whatever is recorded: the same seed gives the same runs.
+
+References
+----------
+Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), 5.4.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from scipy.special import gammaincinv
+
 from obscli.model.system import System
+from obscli.numeric.errors import NotComputableError
+from obscli.numeric.joint_errors import Followed, Pair
 from obscli.numeric.linear_forms import Forms
+from obscli.numeric.program import Array
 from obscli.numeric.progress import Progress, silent
+from obscli.numeric.sampled_system import SampledSystem, timeline_of
 from obscli.numeric.schedule import Schedule
-from obscli.numeric.simulation_finding import MonteCarlo
+from obscli.numeric.simulation_finding import Consistency, MonteCarlo
+
+
+_CONFIDENCE: Final = 0.95
+
+#: Where P in units of its deviations has smaller eigenvalues than the square of this, it is singular.
+_SINGULAR: Final = 1e-12
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Recorded:
+    """At one instant: of the forms mean, rms and claimed deviation; sums over runs and degrees of freedom."""
+
+    mean: Array
+    rms: Array
+    claimed: Array
+    nees: tuple[float, int]
+    nis: tuple[float, int] | None
 
 
 def monte_carlo(  # noqa: PLR0913 - the system, the runs, and what is kept of them
@@ -24,5 +62,120 @@ def monte_carlo(  # noqa: PLR0913 - the system, the runs, and what is kept of th
     filter_: System | None = None,
     filter_schedule: Schedule | None = None,
 ) -> MonteCarlo:
-    """Return how the errors of a filter on ``system`` spread, one of its own model or of ``filter_``."""
-    raise NotImplementedError
+    """Return how the errors of a filter on ``system`` spread, one of its own model or of ``filter_``.
+
+    Parameters
+    ----------
+    system, schedule : the truth
+    forms : of the filter's states
+    runs, seed : how many, and the seed of the generator
+    recorded : at how many instants at the most
+    progress : told where the runs are; an interrupt keeps what is done
+    filter_, filter_schedule : what the filter was designed on, where that is not the truth
+
+    Raises
+    ------
+    NotComputableError
+        as for ``mismatch_history``, and for less than one run
+    """
+    if runs < 1:
+        raise NotComputableError(f"{runs} runs: at least one is needed (--runs)")
+    truth = SampledSystem(system, schedule)
+    design = truth if filter_ is None else SampledSystem(filter_, filter_schedule or schedule)
+    pair = Pair(truth, design)
+    timeline = timeline_of([truth, design], design.schedule)
+    marks = timeline.marks(recorded)
+    t = timeline.t[marks]
+    rows = forms.at(design.numeric, t)
+    draws = _Draws(pair.prior, system.n, np.random.Generator(np.random.PCG64(seed)), runs)
+    found: list[_Recorded] = []
+    complete = True
+    try:
+        for known in pair.follow(draws, timeline, marks, progress):
+            outputs = design.schedule.sampled[timeline.sample[known.index]]
+            found.append(_recorded(known, rows[len(found)], draws.columns, int(outputs.sum())))
+    except KeyboardInterrupt:
+        complete = False
+    done = t[: len(found)]
+    shape = (len(found), len(forms.names))
+    return MonteCarlo(
+        forms.names,
+        forms.kinds,
+        runs,
+        seed,
+        done,
+        np.array([one.mean for one in found]).reshape(shape),
+        np.array([one.rms for one in found]).reshape(shape),
+        np.array([one.claimed for one in found]).reshape(shape),
+        _consistency(done, [one.nees for one in found], runs),
+        _innovations(done, [one.nis for one in found], runs),
+        _CONFIDENCE,
+        complete,
+    )
+
+
+class _Draws:
+    """Draws of (z, ε), one a column."""
+
+    def __init__(self, root: Array, states: int, generator: np.random.Generator, runs: int) -> None:
+        self._generator = generator
+        self._states = states
+        self._runs = runs
+        self._draws = self._drawn(root)
+
+    @property
+    def columns(self) -> Array:
+        return self._draws
+
+    def add(self, root: Array) -> None:
+        self._draws += self._drawn(root)
+
+    def correct(self, rows: Array, noise: Array, gain: Array) -> Array:
+        innovation = rows @ self._draws + self._drawn(noise)
+        self._draws[self._states :] -= gain @ innovation
+        return innovation
+
+    def move(self, transition: Array) -> None:
+        self._draws = transition @ self._draws
+
+    def _drawn(self, root: Array) -> Array:
+        found: Array = root @ self._generator.standard_normal((root.shape[1], self._runs))
+        return found
+
+
+def _recorded(known: Followed, rows: Array, draws: Array, outputs: int) -> _Recorded:
+    errors = known.error_transition @ draws
+    root = known.filter_transition @ known.root
+    forms = rows @ errors
+    nis = None if known.innovation is None else (float((known.innovation**2).sum()), outputs)
+    return _Recorded(
+        forms.mean(axis=1),
+        np.sqrt((forms**2).mean(axis=1)),
+        np.linalg.norm(rows @ root, axis=1),
+        _normalised(root, errors),
+        nis,
+    )
+
+
+def _normalised(root: Array, errors: Array) -> tuple[float, int]:
+    """Return the sum over the draws of eᵀ P⁻¹ e on the range of P = L Lᵀ, and the rank of P."""
+    units = np.maximum(np.linalg.norm(root, axis=1), np.finfo(float).tiny)[:, None]
+    left, values, _ = np.linalg.svd(root / units)
+    rank = int((values > _SINGULAR * values[0]).sum())
+    whitened = (left.T @ (errors / units))[:rank] / values[:rank, None]
+    return float((whitened**2).sum()), rank
+
+
+def _consistency(t: Array, sums: Sequence[tuple[float, int]], runs: int) -> Consistency:
+    total, degrees = np.array(sums, dtype=float).reshape(-1, 2).T
+    degrees = degrees * runs
+    lower, upper = (2 * gammaincinv(degrees / 2, (1 + sign * _CONFIDENCE) / 2) / degrees for sign in (-1, 1))
+    average = total / degrees
+    inside = (average >= lower) & (average <= upper)
+    return Consistency(t, average, lower, upper, float(inside.mean()) if len(t) else 0.0)
+
+
+def _innovations(t: Array, found: Sequence[tuple[float, int] | None], runs: int) -> Consistency | None:
+    at = [k for k, one in enumerate(found) if one is not None]
+    sums = [one for one in found if one is not None]
+    return _consistency(t[at], sums, runs) if sums else None

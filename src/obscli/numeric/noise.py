@@ -2,14 +2,20 @@
 
     E v vᵀ = R δ,   E w wᵀ = Q δ,   E x₀ x₀ᵀ = P₀
 
-A covariance R per sample, one every ``step``, is taken as the density R · step: what a filter that takes the
-samples as they come makes of them, as long as little changes from one sample to the next.
+A covariance R per sample is taken as a density: what a filter that takes the samples as they come makes of
+them, as long as little changes from one sample to the next. With D the times between samples of the outputs
+(``every``, else ``step``; 1 where R is a density already)
+
+    D^½ R D^½,
+
+where outputs that are correlated are sampled alike.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -18,6 +24,10 @@ from obscli.model.system import Matrix, Noise, System
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.numeric_system import NumericSystem, constants_of
 from obscli.numeric.program import Array, Counts, Program, constant_value
+
+
+#: Times between samples that differ by less are one.
+_ALIKE: Final = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,14 +93,65 @@ def noise_model(numeric: NumericSystem, still: Sequence[str] = ()) -> NoiseModel
     missing = [one.name for k, one in enumerate(system.outputs) if R[k, k] == 0]
     if missing:
         raise NotComputableError(f"`noise` gives no R, or zero, for {', '.join(missing)}")
-    if noise.step is not None:
-        R = R * _positive(noise.step, "step", constants)
+    R = _density(system, R)
     whitening: Array = np.asarray(np.linalg.inv(_root(R, "R")), dtype=float)
     found = NoiseModel(
         numeric, whitening, _drive(system, noise, constants, still), _prior(system, noise, constants)
     )
     found.prior()  # positive definite, or refused here
     return found
+
+
+def continuous_noise(numeric: NumericSystem, still: Sequence[str] = ()) -> NoiseModel:
+    """Return the noise of a system for those who take the outputs as measured all the time.
+
+    Raises
+    ------
+    NotComputableError
+        as ``noise_model``, and where outputs have outages
+    """
+    names = ", ".join(numeric.system.interrupted)
+    if names:
+        hint = "`obscli simulate` takes samples as they come; or delete the key for what no outage disturbs"
+        raise NotComputableError(f"outages of {names} (`during`) are not taken into account here: {hint}")
+    return noise_model(numeric, still)
+
+
+def steps_of(system: System) -> tuple[float | None, ...]:
+    """Return the time between samples of every output; None where R is a density.
+
+    Raises
+    ------
+    NotComputableError
+        where it is not a positive number at the file's values
+    """
+    constants = constants_of(system)
+    step = system.noise.step if system.noise else None
+    general = None if step is None else _positive(step, "noise: step", constants)
+    return tuple(
+        general if one.every is None else _positive(one.every, f"outputs: {one.name}: every", constants)
+        for one in system.outputs
+    )
+
+
+def _density(system: System, R: Array) -> Array:
+    """Return D^½ R D^½."""
+    steps = steps_of(system)
+    for i, j in zip(*np.nonzero(np.triu(R, 1)), strict=True):
+        if not _is_alike(steps[i], steps[j]):
+            raise NotComputableError(
+                f"`noise: R` correlates {system.outputs[i].name} and {system.outputs[j].name}, which are not "
+                "sampled alike: give both the same `every`, or no correlation"
+            )
+    D = np.array([1.0 if one is None else one for one in steps])
+    return R * np.sqrt(np.outer(D, D))
+
+
+def _is_alike(one: float | None, other: float | None) -> bool:
+    """Whether two outputs are sampled equally often, or both all the time."""
+    if one is None or other is None:
+        return one is other
+    return abs(one - other) <= _ALIKE * one
 
 
 def _drive(system: System, noise: Noise, constants: dict[str, float], still: Sequence[str]) -> Array | None:
@@ -127,7 +188,7 @@ def _matrix(matrix: Matrix | None, name: str, constants: dict[str, float]) -> Ar
     found = np.zeros((matrix.rows, matrix.columns))
     for (i, j), entry in matrix.entries.items():
         if not is_zero(entry):
-            found[i, j] = _number(entry, name, constants)
+            found[i, j] = _number(entry, f"noise: {name}", constants)
     if not np.allclose(found, found.T, rtol=1e-9, atol=0):
         raise NotComputableError(f"`noise: {name}` is not symmetric")
     return found
@@ -136,18 +197,18 @@ def _matrix(matrix: Matrix | None, name: str, constants: dict[str, float]) -> Ar
 def _number(entry: Expression, name: str, constants: dict[str, float]) -> float:
     unknown = symbols(entry) - constants.keys()
     if unknown:
-        words = f"`noise: {name}` depends on {', '.join(sorted(unknown))}"
+        words = f"`{name}` depends on {', '.join(sorted(unknown))}"
         raise NotComputableError(f"{words}: only constants with values are taken")
     value = constant_value(entry, constants)
     if not np.isfinite(value):
-        raise NotComputableError(f"`noise: {name}` is not finite")
+        raise NotComputableError(f"`{name}` is not finite")
     return value
 
 
 def _positive(entry: Expression, name: str, constants: dict[str, float]) -> float:
     value = _number(entry, name, constants)
     if value <= 0:
-        raise NotComputableError(f"`noise: {name}` must be positive")
+        raise NotComputableError(f"`{name}` must be positive")
     return value
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from obscli.model.system import Covector, System
 from obscli.numeric.finding import Floor, Knowledge
-from obscli.numeric.noise import NoiseModel, noise_model
+from obscli.numeric.noise import NoiseModel, continuous_noise
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import Array
 from obscli.numeric.riccati import covariances, prior_of, samples_of
@@ -39,7 +39,7 @@ def knowledge(system: System, target: Covector, start: float, stop: float) -> Kn
         where the file has no noise of the outputs, or there are too many samples
     """
     numeric = NumericSystem(system, start, stop)
-    noise = noise_model(numeric)
+    noise = continuous_noise(numeric)
     instants, step = samples_of(system, start, stop)
     P0, assumed = prior_of(system, noise)
     root: Array = np.asarray(np.linalg.cholesky(P0), dtype=float)

@@ -55,6 +55,10 @@ class Schedule:
         """How many samples of single outputs there are."""
         return int(self.sampled.sum())
 
+    def samples_until(self, done: Array) -> int:
+        """Return how many samples of single outputs there are up to the last of some instants."""
+        return int(self.sampled[self.t <= done[-1]].sum()) if len(done) else 0
+
 
 @dataclass(frozen=True, slots=True)
 class _Rate:

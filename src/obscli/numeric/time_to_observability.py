@@ -36,6 +36,8 @@ def times_to_observability(
 
 def _reached(history: History, i: int, limit: float) -> float | None:
     """Return the first instant recorded from which on σ is within the limit; None: it is not at the end."""
-    above = np.flatnonzero(~(history.deviations[:, i] <= limit))
+    if not np.isfinite(limit):
+        return None
+    above = np.flatnonzero(history.deviations[:, i] > limit)
     first = int(above[-1]) + 1 if len(above) else 0
     return float(history.t[first]) if first < len(history.t) else None

@@ -1,0 +1,172 @@
+"""The errors of a filter designed on one model and run on another, beside the true states, step by step.
+
+True states x, the filter's estimate x̂, and e = E x − x̂, E the states of the filter among the true ones (a
+state that the truth does not have is zero there). On a panel from a, z = x(a), ε = E z − x̂(a):
+
+    x = Φ z,    e = Φ_f ε + (E Φ − Φ_f E) z
+    ν = D z + B ε + W v,    B = W H_f Φ_f,    D = W H Φ − B E,    W Cov(v) Wᵀ = I where the filter is right
+    ε⁺ = ε − K ν
+
+D and E Φ − Φ_f E are zero for equal models: e is then the error of the ordinary filter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import numpy as np
+
+from obscli.numeric.errors import NotComputableError
+from obscli.numeric.program import Array, Counts, Flags
+from obscli.numeric.progress import Progress
+from obscli.numeric.sampled_system import SampledSystem, Stretch, Timeline
+from obscli.numeric.schedule import Schedule
+from obscli.numeric.square_root_filter import compressed, measured
+
+
+#: Instants closer than this, in steps, are one.
+_SAME: Final = 1e-9
+
+
+class Errors(Protocol):
+    """What stands for the joint distribution of (z, ε): a square root of it, or draws from it."""
+
+    @property
+    def columns(self) -> Array:
+        """The columns (z, ε), shape (n_x + n_f, c)."""
+
+    def add(self, root: Array) -> None:
+        """Add an error with covariance root rootᵀ that is independent of all before."""
+
+    def correct(self, rows: Array, noise: Array, gain: Array) -> Array | None:
+        """Take a sample: ν = rows (z, ε) + noise v, ε ← ε − gain ν; return ν of draws, (m, c)."""
+
+    def move(self, transition: Array) -> None:
+        """Go on to the next panel."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Followed:
+    """What is known at a mark.
+
+    Parameters
+    ----------
+    index : of the instant in the timeline
+    root : L of the filter's covariance in coordinates of the panel's start, shape (n_f, n_f)
+    filter_transition : Φ_f, shape (n_f, n_f)
+    error_transition : from (z, ε) to e, shape (n_f, n_x + n_f)
+    innovation : S^−½ ν of the draws, shape (m, c); None: no draws, or no sample
+    """
+
+    index: int
+    root: Array
+    filter_transition: Array
+    error_transition: Array
+    innovation: Array | None
+
+
+class Pair:
+    """A true system and the filter designed on another, states and outputs matched by name.
+
+    Raises
+    ------
+    NotComputableError
+        where an output of the filter is not one of the truth
+    """
+
+    def __init__(self, truth: SampledSystem, design: SampledSystem) -> None:
+        self.truth = truth
+        self.design = design
+        self.common = _among(design.numeric.system.state_names, truth.numeric.system.state_names)
+        names = [[one.name for one in system.numeric.system.outputs] for system in (design, truth)]
+        self._outputs = _among(*names)
+        unknown = [name for name in names[0] if name not in names[1]]
+        if unknown:
+            raise NotComputableError(
+                f"the true model has no output {', '.join(unknown)}: name the outputs of both models alike, "
+                "or leave it out of the filter (--outputs)"
+            )
+        self._noise: Array = self._outputs @ np.linalg.cholesky(truth.schedule.R)
+        self._check_samples()
+
+    @property
+    def prior(self) -> Array:
+        """A square root of the covariance of (z, ε) before the first sample, where x̂ = 0."""
+        root = self.truth.prior
+        return np.concatenate([root, self.common @ root])
+
+    def _check_samples(self) -> None:
+        """Refuse a filter that wants samples that the truth does not have."""
+        wanted, given = self.design.schedule, self.truth.schedule
+        place, same = matched(given, wanted.t)
+        has = (given.sampled[place] @ self._outputs.T > 0) & same[:, None]
+        lacking = np.argwhere(wanted.sampled & ~has)
+        if len(lacking):
+            k, i = lacking[0]
+            name = self.design.numeric.system.outputs[i].name
+            raise NotComputableError(
+                f"the filter takes a sample of {name} at {wanted.t[k]:.6g}, but the true model has none then: "
+                "give the filter a step that is a multiple of that of the truth (`every`, `noise: step`)"
+            )
+
+    def follow(
+        self, errors: Errors, timeline: Timeline, marks: Flags, progress: Progress
+    ) -> Iterator[Followed]:
+        """Run the filter on the errors, and yield what is known at the marks."""
+        root = self.design.prior
+        both = zip(self.truth.stretches(timeline), self.design.stretches(timeline), strict=True)
+        for true, own in both:
+            part = slice(own.first, own.first + len(own.rows))
+            progress(f"t = {timeline.t[part.start]:.6g} of {timeline.t[-1]:.6g}")
+            whitening = self.design.whitening(timeline.sample[part])
+            rows = whitening @ own.rows
+            others = whitening @ (self._outputs @ true.rows) - rows @ self.common
+            joint = np.concatenate([others, rows], axis=2)
+            noise = whitening @ self._noise
+            taken = timeline.sample[part] >= 0
+            for k in range(len(rows)):
+                entered = None if own.noise is None else own.noise[k]
+                if true.noise is not None:
+                    errors.add(np.concatenate([true.noise[k], self.common @ true.noise[k]]))
+                innovation = None
+                if taken[k]:
+                    root, S, gain = measured(root, rows[k], entered)
+                    inverse = np.linalg.inv(S)
+                    found = errors.correct(joint[k], noise[k], gain @ inverse)
+                    innovation = None if found is None else inverse @ found
+                elif entered is not None:
+                    root = compressed([root, entered])
+                if marks[own.first + k]:
+                    yield Followed(
+                        own.first + k, root, own.transition[k], self._to_errors(true, own, k), innovation
+                    )
+            root = own.transition[-1] @ root
+            errors.move(self._onward(true, own))
+
+    def _to_errors(self, true: Stretch, own: Stretch, k: int) -> Array:
+        """Return what takes (z, ε) to e at an instant of a panel."""
+        own_part = own.transition[k]
+        others = self.common @ true.transition[k] - own_part @ self.common
+        return np.concatenate([others, own_part], axis=1)
+
+    def _onward(self, true: Stretch, own: Stretch) -> Array:
+        """Return what takes (z, ε) from a panel to the next."""
+        n_x, n_f = true.transition.shape[1], own.transition.shape[1]
+        upper = np.concatenate([true.transition[-1], np.zeros((n_x, n_f))], axis=1)
+        return np.concatenate([upper, self._to_errors(true, own, -1)])
+
+
+def matched(schedule: Schedule, t: Array) -> tuple[Counts, Flags]:
+    """Return the samples nearest to instants, and whether they are at these instants but for rounding."""
+    after = np.clip(np.searchsorted(schedule.t, t), 0, len(schedule.t) - 1)
+    before = np.maximum(after - 1, 0)
+    nearest: Counts = np.where(np.abs(schedule.t[after] - t) <= np.abs(schedule.t[before] - t), after, before)
+    step = float(np.diff(schedule.t).min()) if len(schedule.t) > 1 else schedule.stop - schedule.start
+    return nearest, np.abs(schedule.t[nearest] - t) <= _SAME * step
+
+
+def _among(names: Sequence[str], others: Sequence[str]) -> Array:
+    """Return the matrix of zeros and ones that takes what has the other names to what has these."""
+    return np.array([[float(one == other) for other in others] for one in names])

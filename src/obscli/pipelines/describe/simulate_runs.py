@@ -1,0 +1,199 @@
+"""Random runs and a mismatched filter in the report: tables, and one sentence what they say of the filter.
+
+NEES and NIS divided by their degrees of freedom are 1 on average where the filter is consistent. Their
+averages over k instants are judged: of NEES, whose values hang together in time, by the band of one instant;
+of NIS, whose innovations are independent where the filter is right, by that band over √k.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from obscli.core.document import (
+    Block,
+    Cell,
+    Column,
+    Heading,
+    Kind,
+    Paragraph,
+    Table,
+    Text,
+    VerdictLine,
+    line,
+    plain,
+)
+from obscli.core.number import counted, short
+from obscli.core.number import plain as number
+from obscli.pipelines.describe.words import names, ratio
+from obscli.pipelines.simulate_result import Mismatch
+
+
+if TYPE_CHECKING:
+    from obscli.numeric.simulation_finding import Consistency, MonteCarlo
+
+MISMATCH_COLUMNS: Final = (
+    Column("", breaks=True),
+    Column("unit"),
+    Column("claimed", "right"),
+    Column("true", "right"),
+    Column("true/claimed", "right"),
+    Column("at worst", "right"),
+    Column("when", "right"),
+)
+MISMATCH_LEGEND: Final = (
+    "one standard deviation at the end, in the units of the file: as the filter has it, and as it is; above "
+    "1 the filter is optimistic, below 1 it could claim less."
+)
+RUNS_COLUMNS: Final = (
+    Column("", breaks=True),
+    Column("claimed", "right"),
+    Column("rms", "right"),
+    Column("rms/claimed", "right"),
+    Column("mean", "right"),
+)
+CONSISTENCY_COLUMNS: Final = (
+    Column(),
+    Column("average", "right"),
+    Column("band", "right"),
+    Column("inside", "right"),
+)
+
+#: Ratios this close to 1 are printed as 1.00.
+SAME: Final = 0.005
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """The average over all instants of a χ² measure, the band it is judged by."""
+
+    name: str
+    average: float
+    lower: float
+    upper: float
+    inside: float
+
+
+def judged(name: str, found: Consistency, *, independent: bool) -> Judgement:
+    """Return the average over the instants with its band, narrower by √k where they are independent."""
+    k = len(found.t)
+    narrower = math.sqrt(k) if independent else 1.0
+    lower, upper = (1 + (float(end.mean()) - 1) / narrower for end in (found.lower, found.upper))
+    return Judgement(name, float(found.average.mean()), lower, upper, found.inside)
+
+
+def judgements(found: MonteCarlo) -> tuple[Judgement, ...]:
+    """Return NEES, and NIS where something is sampled."""
+    nees = judged("NEES", found.nees, independent=False)
+    return (nees,) if found.nis is None else (nees, judged("NIS", found.nis, independent=True))
+
+
+def runs_blocks(found: MonteCarlo, *, mismatched: bool) -> Iterator[Block]:
+    """Yield how the errors of the random runs spread against what the filter claims."""
+    whose = " of the filter on the truth" if mismatched else ""
+    yield Heading(2, plain(f"{counted(found.runs, 'random run')}{whose} (seed {found.seed})"))
+    rows = tuple(
+        (
+            line(Text(name, "name")),
+            line(Text(short(float(claimed), 3))),
+            line(Text(short(float(rms), 3))),
+            line(Text(ratio(float(rms / claimed)) if claimed > 0 else "–")),
+            line(Text(short(float(mean), 3))),
+        )
+        for name, claimed, rms, mean in zip(
+            found.names, found.claimed[-1], found.rms[-1], found.mean[-1], strict=True
+        )
+    )
+    legend = (
+        "at the end: the deviation claimed, root mean square and mean of the errors; of so many runs an rms "
+        f"is good to {short(100 / math.sqrt(2 * found.runs))} %."
+    )
+    yield Table(RUNS_COLUMNS, rows, (Text(legend, "faint"),))
+    told = judgements(found)
+    yield Table(
+        CONSISTENCY_COLUMNS, tuple(_judgement_row(one) for one in told), (Text(_band(found), "faint"),)
+    )
+    yield _runs_verdict(told)
+
+
+def _band(found: MonteCarlo) -> str:
+    return (
+        "NEES: eᵀP⁻¹e of the errors, NIS: νᵀS⁻¹ν of the innovations, over their degrees of freedom and "
+        f"averaged over runs and instants: 1 is expected, in the band with {short(100 * found.confidence)} %; "
+        "inside: instants at which the average over the runs is in its own band."
+    )
+
+
+def _judgement_row(one: Judgement) -> tuple[Cell, ...]:
+    return (
+        line(Text(one.name)),
+        line(Text(f"{one.average:.3f}" if one.average < 100 else short(one.average, 3))),
+        line(Text(f"{one.lower:.3f} … {one.upper:.3f}")),
+        line(Text(f"{100 * one.inside:.0f} %")),
+    )
+
+
+def _runs_verdict(told: tuple[Judgement, ...]) -> VerdictLine:
+    above = [one.name for one in told if one.average > one.upper]
+    below = [one.name for one in told if one.average < one.lower]
+    kind: Kind = "bad" if above else "open" if below else "good"
+    if above and below:
+        words = f"inconsistent: {' and '.join(above)} above the band, {' and '.join(below)} below"
+    elif above:
+        words = f"optimistic: errors are larger than the filter claims ({' and '.join(above)} above the band)"
+    elif below:
+        words = (
+            f"pessimistic: errors are smaller than the filter claims ({' and '.join(below)} below the band)"
+        )
+    else:
+        words = "consistent: errors are as large as the filter claims"
+    return VerdictLine(kind, plain(words))
+
+
+def mismatch_blocks(one: Mismatch) -> Iterator[Block]:
+    """Yield what the filter designed on another model claims, and what its errors are."""
+    whose = one.model.name if one.system.stage is None else f"{one.model.name} · {one.system.stage}"
+    yield Heading(2, plain(f"The filter designed on {whose}"))
+    units = {state.name: state.unit for state in one.system.states}
+    rows = tuple(
+        (
+            line(Text(name, "name")),
+            line(Text(units.get(name, ""), "faint")),
+            line(Text(short(float(claimed), 3))),
+            line(Text(short(float(true), 3))),
+            line(Text(ratio(own.end))),
+            line(Text(ratio(own.worst))),
+            line(Text(number(own.when))),
+        )
+        for name, claimed, true, own in zip(
+            one.history.names, one.history.claimed[-1], one.history.true[-1], one.ratios, strict=True
+        )
+    )
+    yield Table(MISMATCH_COLUMNS, rows, (Text(MISMATCH_LEGEND, "faint"),))
+    if one.history.ignored:
+        yield Paragraph((Text("The filter leaves out "), *names(one.history.ignored), Text(".")))
+    yield _mismatch_verdict(one)
+
+
+def _mismatch_verdict(one: Mismatch) -> VerdictLine:
+    worst = max(one.ratios, key=lambda own: own.end)
+    if worst.end > 1 + SAME:
+        others = sum(own.end > 1 + SAME for own in one.ratios) - 1
+        more = f", and about {counted(others, 'other')} by less" if others else ""
+        words = f"the filter is optimistic about {worst.name} by {ratio(worst.end)} at the end{more}"
+        return VerdictLine("bad", plain(words))
+    before = max(one.ratios, key=lambda own: own.worst)
+    if before.worst > 1 + SAME:
+        words = (
+            f"at the end the filter claims no more than it reaches; it was optimistic about {before.name} by "
+            f"{ratio(before.worst)} at {number(before.when)}"
+        )
+        return VerdictLine("open", plain(words))
+    least = min(one.ratios, key=lambda own: own.end)
+    if least.end < 1 - SAME:
+        factor = ratio(1 / least.end) if least.end else "inf"
+        words = f"pessimistic: errors are smaller than the filter claims, of {least.name} by {factor}"
+        return VerdictLine("good", plain(words))
+    return VerdictLine("good", plain("the filter claims what it reaches"))

@@ -1,0 +1,220 @@
+"""A simulation as JSON values, and its histories as columns of a table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from obscli.core.number import json_number
+from obscli.core.version import SCHEMA, VERSION
+from obscli.numeric.finding import NotComputed
+from obscli.pipelines.analysis_data import model_data
+from obscli.pipelines.certificate_data import covector_to_data
+from obscli.pipelines.request import Changes
+from obscli.pipelines.simulate_result import (
+    Demand,
+    FollowedForm,
+    Mismatch,
+    Sampling,
+    SimulateResult,
+    Simulation,
+)
+
+
+if TYPE_CHECKING:
+    from obscli.numeric.program import Array
+    from obscli.numeric.simulation_finding import Consistency, History, MonteCarlo, TimeToObservability
+
+
+def simulate_data(results: Iterable[SimulateResult], changes: Changes) -> dict[str, object]:
+    """Return ``{schema, obscli, changes, results}``, one entry of ``results`` a stage."""
+    return {
+        "schema": SCHEMA,
+        "obscli": VERSION,
+        "changes": changes.data(),
+        "results": [_result(result) for result in results],
+    }
+
+
+def history_data(results: Iterable[SimulateResult]) -> dict[str, object]:
+    """Return ``{schema, obscli, results}`` with the histories of every stage alone."""
+    kept = ("history", "monte_carlo", "mismatch")
+    found = ((one, one.found) for one in results)
+    return {
+        "schema": SCHEMA,
+        "obscli": VERSION,
+        "results": [
+            {"model": model_data(result), **{key: _simulation(result, one)[key] for key in kept}}
+            for result, one in found
+            if not isinstance(one, NotComputed)
+        ],
+    }
+
+
+def _result(result: SimulateResult) -> dict[str, object]:
+    found = result.found
+    return {
+        "model": model_data(result),
+        "n": result.system.n,
+        "states": list(result.system.state_names),
+        "simulate": None if isinstance(found, NotComputed) else _simulation(result, found),
+        "not_computed": found.reason if isinstance(found, NotComputed) else "",
+    }
+
+
+def _simulation(result: SimulateResult, found: Simulation) -> dict[str, object]:
+    return {
+        "interval": {"start": found.start, "stop": found.stop, "default": found.default},
+        "interrupted": float(found.history.t[-1]) if result.interrupted else None,
+        "samples": found.history.samples,
+        "assumed_step": found.assumed_step,
+        "sampled_functions": list(found.sampled),
+        "outputs": [_sampling(one) for one in found.sampling],
+        "forms": [_form(one) for one in found.forms],
+        "no_verdicts": found.unsaid,
+        "history": _history(found.history),
+        "time_to_observability": {one.name: _time(one) for one in found.times},
+        "require": [_demand(one) for one in found.demands],
+        "monte_carlo": None if found.monte_carlo is None else _monte_carlo(found.monte_carlo),
+        "mismatch": None if found.mismatch is None else _mismatch(found.mismatch),
+    }
+
+
+def _sampling(one: Sampling) -> dict[str, object]:
+    return {
+        "name": one.output,
+        "samples": one.samples,
+        "every": one.every,
+        "outages": [{"start": start, "stop": stop} for start, stop in one.outages],
+    }
+
+
+def _form(one: FollowedForm) -> dict[str, object]:
+    return {
+        "name": one.name,
+        "kind": one.kind,
+        "unit": one.unit,
+        "verdict": one.verdict,
+        "coefficients": covector_to_data(one.coefficients),
+    }
+
+
+def _history(found: History) -> dict[str, object]:
+    return {
+        "t": _numbers(found.t),
+        "prior": {name: json_number(float(s)) for name, s in zip(found.names, found.prior, strict=True)},
+        "standard_deviation": _by_form(found.names, found.deviations),
+        "open_loop": _by_form(found.names, found.open_loop),
+    }
+
+
+def _time(one: TimeToObservability) -> dict[str, object]:
+    return {"t": json_number(one.reached), "limit": json_number(one.limit), "because": one.because}
+
+
+def _demand(one: Demand) -> dict[str, object]:
+    return {
+        "name": one.name,
+        "required": json_number(one.limit),
+        "after": json_number(one.after),
+        "met": one.is_met,
+    }
+
+
+def _monte_carlo(found: MonteCarlo) -> dict[str, object]:
+    return {
+        "runs": found.runs,
+        "seed": found.seed,
+        "confidence": found.confidence,
+        "t": _numbers(found.t),
+        "mean": _by_form(found.names, found.mean),
+        "rms": _by_form(found.names, found.rms),
+        "claimed": _by_form(found.names, found.claimed),
+        "nees": _consistency(found.nees),
+        "nis": None if found.nis is None else _consistency(found.nis),
+    }
+
+
+def _consistency(found: Consistency) -> dict[str, object]:
+    return {
+        "t": _numbers(found.t),
+        "average": _numbers(found.average),
+        "lower": _numbers(found.lower),
+        "upper": _numbers(found.upper),
+        "inside": json_number(found.inside),
+    }
+
+
+def _mismatch(one: Mismatch) -> dict[str, object]:
+    found = one.history
+    return {
+        "filter": {"name": one.model.name, "file": str(one.model.file), "stage": one.system.stage},
+        "ignored": list(found.ignored),
+        "t": _numbers(found.t),
+        "claimed": _by_form(found.names, found.claimed),
+        "true": _by_form(found.names, found.true),
+        "ratio": {
+            own.name: {"end": json_number(own.end), "worst": json_number(own.worst), "when": own.when}
+            for own in one.ratios
+        },
+    }
+
+
+def _numbers(values: Array) -> list[float | str | None]:
+    return [json_number(float(value)) for value in values]
+
+
+def _by_form(names: Sequence[str], values: Array) -> dict[str, list[float | str | None]]:
+    """Return the columns of a history, shape (k, r), by form."""
+    return {name: _numbers(column) for name, column in zip(names, values.T, strict=True)}
+
+
+def history_columns(results: Iterable[SimulateResult]) -> dict[str, list[object]]:
+    """Return the histories of all stages as columns of one table, None where a stage has no such value.
+
+    A column ``stage`` comes first where there are several stages, then ``t``.
+    """
+    found = [(one, _stage_columns(one.found)) for one in results if not isinstance(one.found, NotComputed)]
+    names = list(dict.fromkeys(name for _, columns in found for name in columns))
+    table: dict[str, list[object]] = {"stage": []} if len(found) > 1 else {}
+    table |= {name: [] for name in ("t", *names)}
+    for result, columns in found:
+        instants = sorted({t for own in columns.values() for t in own})
+        if len(found) > 1:
+            table["stage"] += [result.system.stage or ""] * len(instants)
+        table["t"] += instants
+        for name in names:
+            own = columns.get(name, {})
+            table[name] += [own.get(t) for t in instants]
+    return table
+
+
+def _stage_columns(found: Simulation) -> dict[str, dict[float, float]]:
+    """Return every history of a stage by its column's name, each as value by instant."""
+    history = found.history
+    columns = _named("sigma", history.names, history.t, history.deviations)
+    columns |= _named("open_loop", history.names, history.t, history.open_loop)
+    if found.mismatch is not None:
+        other = found.mismatch.history
+        columns |= _named("claimed", other.names, other.t, other.claimed)
+        columns |= _named("true", other.names, other.t, other.true)
+    runs = found.monte_carlo
+    if runs is not None:
+        columns |= _named("mean", runs.names, runs.t, runs.mean)
+        columns |= _named("rms", runs.names, runs.t, runs.rms)
+        columns |= _of_consistency("nees", runs.nees)
+        columns |= {} if runs.nis is None else _of_consistency("nis", runs.nis)
+    return columns
+
+
+def _of_consistency(what: str, found: Consistency) -> dict[str, dict[float, float]]:
+    parts: Mapping[str, Array] = {"": found.average, "_lower": found.lower, "_upper": found.upper}
+    return {f"{what}{end}": _by_instant(found.t, values) for end, values in parts.items()}
+
+
+def _named(what: str, names: Sequence[str], t: Array, values: Array) -> dict[str, dict[float, float]]:
+    return {f"{what}_{name}": _by_instant(t, own) for name, own in zip(names, values.T, strict=True)}
+
+
+def _by_instant(t: Array, values: Array) -> dict[float, float]:
+    return dict(zip(t.tolist(), values.tolist(), strict=True))
