@@ -93,7 +93,7 @@ def test_an_orthogonal_change_of_the_outputs_changes_no_measure_but_the_chain(ob
     for A, H in observable:
         if len(H) == 1:
             continue
-        one, other = of_matrices(A, H), of_matrices(A, Q @ H)
+        one, other = (of_matrices(A, y, options={"least-squares.dt": "0.1"}) for y in (H, Q @ H))
         for key in ("equivalent-singular-value", "column-norm", "least-squares"):
             assert other.state(key) == pytest.approx(one.state(key), rel=1e-9)
         assert other.sizes("singular-values") == pytest.approx(one.sizes("singular-values"))
@@ -176,7 +176,7 @@ def test_too_few_samples_are_refused_and_not_inverted(of_matrices):
 def test_what_is_not_observable_is_so_by_every_measure(of_matrices):
     for seed in range(8):
         A, H = random_system(seed, n=4, m=1, hidden=1)
-        found = of_matrices(A, H)
+        found = of_matrices(A, H, options={"least-squares.dt": "0.1"})
         for k, target in enumerate(found.subject.targets[:4]):
             if not target.observable:
                 assert found.state("deterministic")[k] == 0

@@ -106,8 +106,13 @@ class Subject:
         return found
 
     def covectors(self, t: float) -> Array:
-        """Return the targets at an instant in units D: c D, shape (k, n)."""
-        return self.forms(t) * self.units
+        """Return the targets at an instant as forms in x_s, x = D x_s, shape (k, n).
+
+        States are taken in their units D, the others in the file's: x_j/d_j, and c x = c D x_s.
+        """
+        found = self.forms(t) * self.units
+        found[self.states] /= self.units[:, None]
+        return found
 
     def directions(self, t: float) -> Array:
         """Return the unobservable directions at an instant, columns, shape (n, n − r)."""
