@@ -37,7 +37,11 @@ class Measured:
         return list(self._values(key, "combination").values())
 
     def system(self, key):
-        found = {name: value for one in self.taken.found.values() for name, value in getattr(one, "system", {}).items()}
+        found = {
+            name: value
+            for one in self.taken.found.values()
+            for name, value in getattr(one, "system", {}).items()
+        }
         return found[key]
 
     def sizes(self, key):

@@ -5,8 +5,8 @@ import pytest
 from scipy.linalg import expm
 
 from obscli.model.notation import to_text
-from obscli.numeric.program import constant_value
 from obscli.numeric.numeric_system import constants_of
+from obscli.numeric.program import constant_value
 
 
 def random_system(seed, n=4, m=1, hidden=0):
@@ -80,7 +80,9 @@ def test_equivalent_singular_values_add_up_and_lie_between_their_bounds(observab
         assert max(found.state("column-norm")) <= max(sizes) * (1 + 1e-12)
 
 
-def test_of_two_states_that_only_their_sum_shows_neither_is_observable_though_the_gain_is_positive(of_matrices):
+def test_of_two_states_that_only_their_sum_shows_neither_is_observable_though_the_gain_is_positive(
+    of_matrices,
+):
     found = of_matrices(np.zeros((2, 2)), [[1, 1]])
     assert found.state("equivalent-singular-value") == pytest.approx([np.sqrt(0.5)] * 2)
     assert found.state("pseudo-inverse") == [np.inf, np.inf]
@@ -134,16 +136,27 @@ def test_a_scaling_is_the_same_as_other_units_in_the_file(measure, of_matrices):
     A, H = np.array([[0, 1], [-2, -0.5]]), np.array([[1.0, 3.0]])
     scaled = measure(SCALED.format(), scaling="scale", stop="4")
     other = of_matrices(A * D / D[:, None], H * D, stop="4")
-    for key in ("deterministic", "least-squares", "pseudo-inverse", "equivalent-singular-value", "column-norm"):
+    for key in (
+        "deterministic",
+        "least-squares",
+        "pseudo-inverse",
+        "equivalent-singular-value",
+        "column-norm",
+    ):
         assert scaled.state(key) == pytest.approx(other.state(key), rel=1e-9)
     for key in ("singular-values", "gramian-singular-values", "modal"):
         assert scaled.sizes(key) == pytest.approx(other.sizes(key), rel=1e-9)
 
 
 def test_a_ranking_that_depends_on_the_units_is_told(measure):
-    found = measure(SCALED.format(), scaling="none")
-    assert {one.key for one in found.result.reordered} >= {"pseudo-inverse"}
-    assert all(one.given != one.other for one in found.result.reordered)
+    """Both measured, the second twice as strongly; in their sizes the first is the larger by far."""
+    states = "{x1: {scale: 100}, x2: {scale: 1/8}}"
+    found = measure(f"states: {states}\nA: [[0, 0], [0, 0]]\nH: [[1, 0], [0, 2]]\n")
+    assert found.state("pseudo-inverse") == pytest.approx([1, 0.5])
+    told = {one.key: (one.given, one.other, one.units) for one in found.result.reordered}
+    assert told["pseudo-inverse"] == (("x2", "x1"), ("x1", "x2"), "scale")
+    alike = measure("states: {x1: {scale: 3}, x2: {scale: 3}}\nA: [[0, 0], [0, 0]]\nH: [[1, 0], [0, 2]]\n")
+    assert alike.result.reordered == ()
 
 
 def test_least_squares_does_not_depend_on_the_basis_of_an_eigenspace(of_matrices):
@@ -170,7 +183,10 @@ def test_least_squares_is_that_of_the_normal_equations(of_matrices):
 def test_too_few_samples_are_refused_and_not_inverted(of_matrices):
     A = np.diag([1.0, 1.0, 1.0], 1)
     found = of_matrices(A, [[1, 0, 0, 0]], options={"least-squares.N": "3"})
-    assert "3 samples do not tell the 4 observable combinations apart" in found.taken.found["least-squares"].reason
+    assert (
+        "3 samples do not tell the 4 observable combinations apart"
+        in found.taken.found["least-squares"].reason
+    )
 
 
 def test_what_is_not_observable_is_so_by_every_measure(of_matrices):
@@ -228,14 +244,18 @@ def test_the_conventional_rule_is_taken_only_where_asked_for_and_says_what_it_le
     found = of_matrices(A, H, select=("conventional-singular-value",))
     assert any("repeat" in one for one in found.taken.found["conventional-singular-value"].remarks)
     shared = of_matrices(np.zeros((2, 2)), [[3, 1], [0, 1e-3]], select=("conventional-singular-value",))
-    assert shared.state("conventional-singular-value") == pytest.approx([np.sqrt(10), 3e-3 / np.sqrt(10)], rel=1e-3)
+    assert shared.state("conventional-singular-value") == pytest.approx(
+        [np.sqrt(10), 3e-3 / np.sqrt(10)], rel=1e-3
+    )
 
 
 def test_a_state_that_gets_no_singular_value_has_none(of_matrices):
     """Of (2, 1, 1)/√6 and nothing else two states get nothing, which is not zero."""
     found = of_matrices(np.zeros((3, 3)), [[2, 1, 1]], select=("conventional-singular-value",))
     assert found.state("conventional-singular-value") == [pytest.approx(np.sqrt(6)), None, None]
-    assert "2 of 3 states get no singular value" in found.taken.found["conventional-singular-value"].remarks[-1]
+    assert (
+        "2 of 3 states get no singular value" in found.taken.found["conventional-singular-value"].remarks[-1]
+    )
 
 
 def test_functions_left_open_follow_the_sample_motion(measure):

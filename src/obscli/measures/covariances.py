@@ -8,9 +8,10 @@ and the smallest that the samples alone allow.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from scipy.linalg import null_space
 
 from obscli.numeric.deviation import deviations
 from obscli.numeric.information_bound import information_roots
@@ -22,6 +23,10 @@ from obscli.numeric.schedule import Schedule, schedule_of
 
 if TYPE_CHECKING:
     from obscli.measures.subject import Subject
+
+
+#: Directions that weigh less than this, columns of unit length, are not told apart in double precision.
+_RESOLVED: Final = 1e-13
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,6 +98,8 @@ def deviations_at(subject: Subject, instants: Array) -> Array:
 def bounds_at(subject: Subject, instants: Array) -> Array:
     """Return the Cramér–Rao bounds of the targets at instants, infinite where a target is not observable.
 
+    Not a number at instants at which the samples so far do not tell all observable combinations apart.
+
     Raises
     ------
     NotComputableError
@@ -103,6 +110,19 @@ def bounds_at(subject: Subject, instants: Array) -> Array:
     found = []
     for t, root in zip(instants, information_roots(subject.system, schedule, instants), strict=True):
         kernel = subject.directions(float(t))
-        bound = deviations(nothing, root, subject.forms(float(t)), kernel)
+        if _resolved(root, kernel):
+            bound = deviations(nothing, root, subject.forms(float(t)), kernel)
+        else:
+            bound = np.full(len(subject.targets), np.nan)
         found.append(np.where(subject.observable, bound, np.inf))
     return np.array(found)
+
+
+def _resolved(root: Array, kernel: Array) -> bool:
+    """Whether information sees every direction outside its known kernel, columns taken alike."""
+    size = np.linalg.norm(root, axis=0) if len(root) else np.zeros(kernel.shape[0])
+    units = np.where(size > 0, size, 1.0)
+    outside = null_space((kernel * units[:, None]).T) if kernel.size else np.eye(len(units))
+    values = np.linalg.svd(root / units @ outside, compute_uv=False)
+    count = outside.shape[1]
+    return len(values) >= count and bool((values[:count] > _RESOLVED).all())

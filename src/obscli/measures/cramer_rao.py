@@ -12,13 +12,18 @@ from typing import Final
 import numpy as np
 
 from obscli.measures.covariances import bounds_at
-from obscli.measures.measure import Found, Measure
+from obscli.measures.measure import Found, Measure, NotMeasuredError
 from obscli.measures.subject import Subject
 
 
 def cramer_rao(subject: Subject) -> Found:
     """Return the bound of every target, in the file's units."""
     bounds = bounds_at(subject, np.array([subject.at]))[0]
+    if np.isnan(bounds).any():
+        raise NotMeasuredError(
+            f"the samples up to {subject.at:.6g} do not tell all observable combinations apart: take a later "
+            "instant (--at), or more samples (--step)"
+        )
     return Found(tuple(float(one) for one in bounds))
 
 

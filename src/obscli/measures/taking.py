@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
@@ -12,6 +13,10 @@ from obscli.measures.subject import Subject
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.program import Array
+
+
+#: Values that agree so well, relatively, rank alike.
+_TIED: Final = 1e-9
 
 
 def take(
@@ -28,14 +33,23 @@ def take(
     return found
 
 
-def ranking(subject: Subject, measure: Measure, found: Found) -> tuple[str, ...]:
-    """Return the observable states from the best to the worst, by a measure."""
-    values = [
-        (value if measure.better == "smaller" else -value, target.name)
+def ranked(subject: Subject, measure: Measure, found: Found) -> dict[str, float]:
+    """Return the values of the observable states, from the best to the worst."""
+    sign = 1 if measure.better == "smaller" else -1
+    values = {
+        target.name: value
         for target, value in zip(subject.targets, found.targets, strict=True)
         if target.kind == "state" and target.observable and value is not None and np.isfinite(value)
-    ]
-    return tuple(name for _, name in sorted(values, key=lambda one: one[0]))
+    }
+    return dict(sorted(values.items(), key=lambda one: sign * one[1]))
+
+
+def reverses(one: Mapping[str, float], other: Mapping[str, float]) -> bool:
+    """Whether two states stand in one order by some values and clearly in the reverse by others."""
+    names = [name for name in one if name in other]
+    a, b = (np.array([values[name] for name in names]) for values in (one, other))
+    apart = [np.sign(x[:, None] - x) * (abs(x[:, None] - x) > _TIED * abs(x)) for x in (a, b)]
+    return bool((apart[0] * apart[1] < 0).any())
 
 
 def in_units(subject: Subject, units: Array) -> Subject:

@@ -15,7 +15,7 @@ from obscli.measures.catalogue import BY_KEY, MEASURES
 from obscli.measures.covariances import bounds_at, deviations_at, shares_at
 from obscli.measures.measure import Found, Measure, Option
 from obscli.measures.subject import Subject, Target
-from obscli.measures.taking import in_units, ranking, take
+from obscli.measures.taking import in_units, ranked, reverses, take
 from obscli.model.covector import parse_scalar
 from obscli.model.expression import ONE, is_one
 from obscli.model.notation import covector_text
@@ -218,9 +218,9 @@ class _Stage:
             for measure, found in zip(scaled, take(again, scaled).values(), strict=True):
                 before = taken.found[measure.key]
                 if isinstance(before, Found) and isinstance(found, Found):
-                    own, theirs = ranking(subject, measure, before), ranking(again, measure, found)
-                    if own != theirs:
-                        yield Reordering(measure.key, own, theirs, other)
+                    own, theirs = ranked(subject, measure, before), ranked(again, measure, found)
+                    if reverses(own, theirs):
+                        yield Reordering(measure.key, tuple(own), tuple(theirs), other)
 
     def _curves(self, taken: Taken, horizon: Horizon) -> Curves | None:
         """Return the measures from the noise against time; None where there are none."""

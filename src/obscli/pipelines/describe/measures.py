@@ -44,6 +44,9 @@ MOST_STATES: Final = 4
 #: So many directions of a list are shown, the first and the last among them; all with details.
 MOST_DIRECTIONS: Final = 6
 
+#: So many states of a ranking are named.
+MOST_RANKED: Final = 6
+
 FLAG: Final = "✗"
 LEGEND: Final = f"{FLAG}: not observable by itself, whatever the number says."
 SCALINGS: Final = {
@@ -281,9 +284,22 @@ def _notes(result: MeasuresResult, taken: Taken) -> Iterator[Block]:
             yield Note("warning", plain(f"{measure.key}: {remark}"))
     for reason, keys in reasons.items():
         yield Note("note", plain(f"not measured: {', '.join(keys)}: {reason}"))
+    yield from _reordered(result)
+
+
+def _reordered(result: MeasuresResult) -> Iterator[Block]:
+    """Warn where the ranking of the states is one of their units; measures that rank alike together."""
+    symbols_of = {measure.key: measure.symbol for measure in result.measures}
+    alike: dict[tuple[str, tuple[str, ...], tuple[str, ...]], list[str]] = {}
     for one in result.reordered:
+        alike.setdefault((one.units, one.given, one.other), []).append(symbols_of[one.key])
+    for (units, given, other), which in alike.items():
         words = (
-            f"{one.key} ranks the states otherwise in other units. Best first, {UNITS[result.scaling]}: "
-            f"{', '.join(one.given)}; {UNITS[one.units]}: {', '.join(one.other)}"
+            f"the ranking of the states by {', '.join(which)} depends on their units. Best first, "
+            f"{UNITS[result.scaling]}: {_few(given)}; {UNITS[units]}: {_few(other)}"
         )
         yield Note("warning", plain(words))
+
+
+def _few(names: tuple[str, ...]) -> str:
+    return ", ".join(names if len(names) <= MOST_RANKED else (*names[:MOST_RANKED], "…"))
