@@ -81,7 +81,7 @@ def _bare(claim, rank=None):
     """A claim that says nothing, or a rank."""
     return replace(
         claim, rank=rank, basis=None, observable=(), unobservable=(), directions=(), states={},
-        everything=None, other={},
+        everything=None, measures=(), requirements={},
     )  # fmt: skip
 
 
@@ -377,7 +377,7 @@ def test_claims_at_values_where_the_system_does_not_exist_are_undecided():
 
 
 def test_what_is_not_checked_yet_is_undecided_not_true():
-    results = _results("  - {rank: 2}\nexpect: {measures: {cond: 2}, require: {v: 1}}\n")
+    results = _results("  - {rank: 2}\nexpect: {measures: {cond: 2}, require: {v: met}}\n")
     verdicts = {r.claim: r.verdict for r in results}
     unchecked = ("measures", "require")
     assert verdicts == {"rank 2": "holds", **dict.fromkeys(unchecked, "undecided")}

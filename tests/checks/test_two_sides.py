@@ -203,7 +203,7 @@ expect:
     observable: [v]
   - rank: 1
     unobservable: [v]
-  - {measures: {cond: 1e3}, require: {v: 1}}
+  - {measures: {cond: 1e3}, require: {v: met}}
 """
 
 
@@ -215,8 +215,8 @@ def test_what_is_expected_holds_or_fails_as_claims_do_each_at_its_place(checked)
         ("v is observable", "holds", "test.yaml:6:18"),
         ("rank 1", "fails", "test.yaml:7:11"),
         ("v is not observable", "fails", "test.yaml:8:20"),
-        ("measures", "undecided", "test.yaml:9:16"),
-        ("require", "undecided", "test.yaml:9:38"),
+        ("measures", "undecided", "test.yaml:9:23"),
+        ("require", "undecided", "test.yaml:9:42"),
     ]
     assert results[2].reason == "the rank is 2; the Gramian shows 2 directions far above its tolerance"
     assert results[3].reason.startswith("it is an observable combination")
@@ -227,7 +227,7 @@ def test_what_is_expected_holds_or_fails_as_claims_do_each_at_its_place(checked)
 
 
 def test_expected_or_claimed_is_the_same_to_both_sides(checked):
-    only_expected = "  - {measures: {cond: 1e3}, require: {v: 1}}\n"
+    only_expected = "  - {measures: {cond: 1e3}, require: {v: met}}\n"
     as_claims = EXPECTED.replace("expect:", "claims:").replace(only_expected, "")
     pairs = zip(checked(EXPECTED, *TIMES)[:4], checked(as_claims, *TIMES)[:4], strict=True)
     for expected, claimed in pairs:

@@ -126,7 +126,7 @@ def test_undecided_is_4_only_where_strict(typed, put, options, expected):
     status, out, err = typed("verify", "table.yaml", *options)
 
     assert (status, err) == (expected, "")
-    assert "? undecided: measures: measures is not checked yet (table.yaml:9:15)" in out
+    assert "? undecided: measures: measures is not checked yet (table.yaml:9:22)" in out
     assert "? 4 checks: 3 hold, 0 failed, 1 undecided" in out
 
 
@@ -436,7 +436,7 @@ def test_json_has_a_row_for_each_check_with_its_evidence(here, put):
     assert {(row["model"], row["stage"]) for row in rows} == {("table", None)}
     assert [row["verdict"] for row in rows] == ["holds", "holds", "holds", "fails", "holds", "undecided"]
     assert [row["place"] for row in rows] == [
-        None, None, "table.yaml:7:11", "table.yaml:9:9", "table.yaml:11:16", "table.yaml:11:29",
+        None, None, "table.yaml:7:11", "table.yaml:9:9", "table.yaml:11:16", "table.yaml:11:36",
     ]  # fmt: skip
     wrong = rows[3]
     assert {"of", "corrected"} <= wrong["corrections"][0].keys()

@@ -27,7 +27,7 @@ claims:
   at: {phi: pi/2}
 - {stage: two, rank: 0, at: nominal, basis: [], determined: [b], detectable: false}
 - {experiment: e, rank: 3, basis: [b]}
-expect: {stage: one, measures: {cond: 1e3}, require: {b: 1}}
+expect: {stage: one, measures: {cond: 1e3}, require: {b: met}}
 """
 
 
@@ -69,12 +69,10 @@ def test_claims_belong_to_stages(model):
     assert [(claim.origin, claim.stage) for claim in two.claims] == [("claims", None), ("claims", "two")]
     assert (two.claims[1].at, two.claims[1].basis, two.claims[1].rank) == ("nominal", (), 0)
     assert two.claims[1].detectable[0] is False
-    assert two.claims[1].other == {}
+    assert (two.claims[1].measures, two.claims[1].requirements) == ((), {})
     assert {name: verdict for name, (verdict, _) in two.claims[1].states.items()} == {"b": "observable"}
-    assert {key: text for key, (text, _) in one.claims[1].other.items()} == {
-        "measures": "{cond: 1e3}",
-        "require": "{b: 1}",
-    }
+    assert [(one.key, to_text(one.value)) for one in one.claims[1].measures] == [("cond", "1000")]
+    assert {name: word for name, (word, _) in one.claims[1].requirements.items()} == {"b": "met"}
     assert one.claims[1].basis is None
 
 

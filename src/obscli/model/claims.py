@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from obscli.core.place import Place
 from obscli.model.constant import constant
+from obscli.model.expected import (
+    MeasureDraft,
+    RequiredDraft,
+    Subjects,
+    expected_measures,
+    expected_requirements,
+    read_measures,
+    read_required,
+)
 from obscli.model.expression import Expression, Symbol, is_zero
 from obscli.model.formula import Formula, formula
 from obscli.model.keys import Fields, choice_of, fields, items_of, text_of, whole_of
@@ -15,8 +24,9 @@ from obscli.model.linear import quantity
 from obscli.model.plain import flow_text
 from obscli.model.scope import Scope
 from obscli.model.system import Claim, Experiment, Quantity, State
-from obscli.model.tree import Broken, Node, Scalar, Sequence
+from obscli.model.tree import Broken, Node, Scalar
 from obscli.model.tree import Mapping as MappingNode
+from obscli.model.tree import Sequence as SequenceNode
 from obscli.model.trouble import Problems, nearest, shown
 
 
@@ -28,7 +38,6 @@ CLAIM_KEYS: Final = (
     "detectable",
 )  # fmt: skip
 EXPECT_KEYS: Final = (*CLAIM_KEYS, "measures", "require")
-_KEPT: Final = ("measures", "require")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,6 +54,8 @@ class ClaimDraft:
     combinations: Mapping[str, tuple[Formula, ...]]
     directions: tuple[tuple[Node, Mapping[str, tuple[Scalar, Formula]]], ...]
     at: Mapping[str, tuple[Scalar, Formula]] | Literal["nominal"] | None
+    measures: tuple[MeasureDraft, ...]
+    required: tuple[RequiredDraft, ...]
     known: tuple[str, ...] | None = None  # the runs there are, where somebody knows
 
 
@@ -86,6 +97,8 @@ def _read(node: Node, origin: Origin, path: str, stages: Collection[str], proble
             )
         ),
         _at(given["at"][1], f"{path}.at", problems) if "at" in given else None,
+        read_measures(given["measures"][1], f"{path}.measures", problems) if "measures" in given else (),
+        read_required(given["require"][1], f"{path}.require", problems) if "require" in given else (),
     )  # fmt: skip
 
 
@@ -109,10 +122,10 @@ def _assignments(node: Node, path: str, problems: Problems) -> dict[str, tuple[S
 
 
 def claims_of(
-    drafts: tuple[ClaimDraft, ...], scope: Scope, states: tuple[State, ...], problems: Problems
+    drafts: tuple[ClaimDraft, ...], scope: Scope, subjects: Subjects, problems: Problems
 ) -> tuple[Claim, ...]:
     """Return the claims in the scope of one stage."""
-    return tuple(_claim(draft, scope, states, problems) for draft in drafts)
+    return tuple(_claim(draft, scope, subjects, problems) for draft in drafts)
 
 
 def about(drafts: tuple[ClaimDraft, ...], stage: str | None) -> tuple[ClaimDraft, ...]:
@@ -120,7 +133,8 @@ def about(drafts: tuple[ClaimDraft, ...], stage: str | None) -> tuple[ClaimDraft
     return tuple(one for one in drafts if not one.experiment and one.stage in {"", stage})
 
 
-def _claim(draft: ClaimDraft, scope: Scope, states: tuple[State, ...], problems: Problems) -> Claim:
+def _claim(draft: ClaimDraft, scope: Scope, subjects: Subjects, problems: Problems) -> Claim:
+    states = subjects.states
     found = {
         key: tuple(
             one
@@ -145,7 +159,8 @@ def _claim(draft: ClaimDraft, scope: Scope, states: tuple[State, ...], problems:
         states=_together(draft, states, problems),
         everything=_everything(draft),
         detectable=_detectable(draft, problems),
-        other={key: _kept(draft.given[key][1]) for key in _KEPT if key in draft.given},
+        measures=expected_measures(draft.measures, f"{draft.path}.measures", subjects, scope, problems),
+        requirements=expected_requirements(draft.required, f"{draft.path}.require", subjects, problems),
     )
 
 
@@ -158,7 +173,7 @@ def _runs(draft: ClaimDraft, problems: Problems) -> tuple[tuple[str, Place], ...
         problems.add(key.problem(draft.path, "`runs` belongs to a claim about an experiment", hint))
     path = f"{draft.path}.runs"
     items = items_of(node, path, problems)
-    if isinstance(node, Sequence) and not items:
+    if isinstance(node, SequenceNode) and not items:
         problems.add(node.problem(path, "the list is empty"))
     if draft.known is not None:
         for item in items:
@@ -185,9 +200,7 @@ def _detectable(draft: ClaimDraft, problems: Problems) -> tuple[bool, Place] | N
     return (word == "true", node.place) if word else None
 
 
-def _together(
-    draft: ClaimDraft, states: tuple[State, ...], problems: Problems
-) -> dict[str, tuple[str, Place]]:
+def _together(draft: ClaimDraft, states: Sequence[State], problems: Problems) -> dict[str, tuple[str, Place]]:
     """Return the verdicts on states under `determined` and `states`, which must not contradict each other."""
     determined, verdicts = _determined(draft, states, problems), _verdicts(draft, states, problems)
     for name in determined.keys() & verdicts.keys():
@@ -198,7 +211,7 @@ def _together(
 
 
 def _determined(
-    draft: ClaimDraft, states: tuple[State, ...], problems: Problems
+    draft: ClaimDraft, states: Sequence[State], problems: Problems
 ) -> dict[str, tuple[str, Place]]:
     """Return the states under `determined` as observable ones."""
     if "determined" not in draft.given:
@@ -216,7 +229,7 @@ def _determined(
     return result
 
 
-def _named(name: str, node: Node, path: str, states: tuple[State, ...], problems: Problems) -> list[str]:
+def _named(name: str, node: Node, path: str, states: Sequence[State], problems: Problems) -> list[str]:
     """Return the states of a name: one, or those of a vector; an unknown one is reported."""
     found = [state.name for state in states if name and name in (state.name, state.vector)]
     if not found and not isinstance(node, Broken):
@@ -227,10 +240,6 @@ def _named(name: str, node: Node, path: str, states: tuple[State, ...], problems
 
 def _label(item: Formula) -> str:
     return item.text or flow_text(item.node)
-
-
-def _kept(node: Node) -> tuple[str, Place]:
-    return flow_text(node), node.place
 
 
 def _values(
@@ -254,7 +263,7 @@ def _values(
 
 
 def _directions(
-    draft: ClaimDraft, scope: Scope, states: tuple[State, ...], problems: Problems
+    draft: ClaimDraft, scope: Scope, states: Sequence[State], problems: Problems
 ) -> Iterator[Quantity]:
     names = {state.name for state in states}
     for k, (item, components) in enumerate(draft.directions, start=1):
@@ -269,9 +278,7 @@ def _directions(
         yield Quantity(f"directions[{k}]", found, item.place, flow_text(item))
 
 
-def _verdicts(
-    draft: ClaimDraft, states: tuple[State, ...], problems: Problems
-) -> dict[str, tuple[str, Place]]:
+def _verdicts(draft: ClaimDraft, states: Sequence[State], problems: Problems) -> dict[str, tuple[str, Place]]:
     if "states" not in draft.given:
         return {}
     path = f"{draft.path}.states"

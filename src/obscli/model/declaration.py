@@ -188,3 +188,9 @@ def _cell(names: tuple[str, ...], structure: str, n: int, i: int, j: int) -> str
         i, j = min(i, j), max(i, j)
     kept = {"lower": i >= j, "upper": i <= j, "diagonal": i == j, "symmetric": True}[structure]
     return names[i * n + j] if kept else None
+
+
+def is_part_of(component: str, name: str) -> bool:
+    """Whether a name is that of a component of the one named: ``e2`` of ``e``."""
+    rest = component.removeprefix(name)
+    return rest != component and rest.replace("_", "").isdigit()

@@ -11,6 +11,7 @@ from obscli.model.declaration import Declared
 from obscli.model.draft import Draft, Entries
 from obscli.model.dynamics import motion
 from obscli.model.environment import Environment, environment
+from obscli.model.expected import Subjects
 from obscli.model.experiment import RunDraft
 from obscli.model.expression import Expression
 from obscli.model.formula import formula
@@ -83,6 +84,7 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
         _disturbances(draft, dynamics.disturbances),
         tuple((output.name, output.vector) for output in outputs),
     )
+    quantities = _quantities(draft, still, problems)
     noise = noise_of(draft.noise, targets, known.scope, problems)
     return System(
         stage=setting.stage,
@@ -98,8 +100,8 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
         G=dynamics.G,
         inputs=dynamics.inputs,
         disturbances=dynamics.disturbances,
-        quantities=_quantities(draft, still, problems),
-        claims=claims_of(about(setting.claims, setting.stage), still, states, problems),
+        quantities=quantities,
+        claims=claims_of(about(setting.claims, setting.stage), still, Subjects(states, quantities), problems),
         noise=noise,
         prior=prior_deviations(noise, states),
         interval=kept_interval(draft.interval, "interval", known.scope, problems),

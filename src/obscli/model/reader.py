@@ -13,6 +13,7 @@ from obscli.model.claims import Origin, about, about_experiment, claims_of, read
 from obscli.model.compose import compose
 from obscli.model.covector import scope_of
 from obscli.model.draft import Draft
+from obscli.model.expected import Subjects
 from obscli.model.experiment import Known, RunDraft, read_experiment, read_plan
 from obscli.model.keys import NOT_YET, Fields, choice_of, fields, text_of
 from obscli.model.meter import MOST_WORK, Meter
@@ -140,7 +141,7 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     wanted = {name for one in states for name in (one.name, one.vector) if name} | draft.quantities.keys()
     chosen = tuple(selected(system, options, problems) for system in systems)
     found = experiment_of(experiment, plan, _elaborated(variants, options, chosen), problems)
-    about_it = claims_of(about_experiment(claims, found, problems), scope, states, problems)
+    about_it = claims_of(about_experiment(claims, found, problems), scope, _subjects(systems[0]), problems)
     return replace(
         model,
         systems=chosen,
@@ -162,6 +163,11 @@ def _elaborated(variants: Variants, options: Options, stages: Sequence[System]) 
         return None if system is None else selected(system, options, problems)
 
     return of
+
+
+def _subjects(system: System) -> Subjects:
+    """Return what claims may be about."""
+    return Subjects(system.states, system.quantities)
 
 
 def _node(given: Fields, key: str) -> Node | None:
@@ -213,10 +219,10 @@ def load_claims(model: Model, path: str | Path) -> Mapping[str | None, tuple[Cla
     found: dict[str | None, tuple[Claim, ...]] = {}
     for system in model.systems:
         here = about(drafts, system.stage)
-        found[system.stage] = claims_of(here, scope_of(system), system.states, problems)
+        found[system.stage] = claims_of(here, scope_of(system), _subjects(system), problems)
     rest = about_experiment(drafts, model.experiment, problems)
     if rest:
         first = model.systems[0]
-        found[None] = found.get(None, ()) + claims_of(rest, scope_of(first), first.states, problems)
+        found[None] = found.get(None, ()) + claims_of(rest, scope_of(first), _subjects(first), problems)
     problems.raise_any()
     return found

@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 from obscli.model.constant import constant
 from obscli.model.covector import scope_of
+from obscli.model.declaration import is_part_of
 from obscli.model.evaluate import evaluate
 from obscli.model.experiment import ExperimentDraft, PlanDraft, RunDraft
 from obscli.model.expression import ONE, Expression, Number, Product, is_zero, symbols
@@ -214,7 +215,7 @@ def requirements(
             *(
                 (one.name, one.coefficients)
                 for one in system.quantities
-                if one.name == name or (one.name not in names and _is_part(one.name, name))
+                if one.name == name or (one.name not in names and is_part_of(one.name, name))
             ),
         ]
         if asked is None:
@@ -245,9 +246,3 @@ def _is_negative(value: Expression) -> bool:
 def _moves(value: Expression, system: System) -> bool:
     """Whether the value depends on time."""
     return bool(symbols(value) & {system.time, *(one.name for one in system.functions)})
-
-
-def _is_part(component: str, name: str) -> bool:
-    """Whether a quantity is a component of the one named: ``e2`` of ``e``."""
-    rest = component.removeprefix(name)
-    return rest != component and rest.replace("_", "").isdigit()

@@ -104,6 +104,32 @@ class Quantity:
     text: str = ""
 
 
+#: Whether an accuracy asked for is reached.
+Met: TypeAlias = Literal["met", "missed"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExpectedMeasure:
+    """What a measure of observability is expected to find.
+
+    Parameters
+    ----------
+    key : of the measure, as the file has it: whether there is one is for those to say who know them
+    target : the state or quantity, or the combination (or mode) as text; None: the system as a whole
+    value : a constant; None: infinite
+    tolerance : how far off it may be, relative to the value; None: 1e-6
+    place : where the value stands
+    key_place : where the measure is named
+    """
+
+    key: str
+    target: str | None
+    value: Expression | None
+    tolerance: Expression | None
+    place: Place
+    key_place: Place
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Claim:
     """One entry of ``claims`` or ``expect``: what is asserted of a stage, at generic values or ``at`` some.
@@ -111,7 +137,7 @@ class Claim:
     ``at`` is None for generic values, "nominal" for the file's, else parameter name → exact value.
     A claim about an experiment may be about some ``runs`` only (empty: all); ``everything`` is where it says
     that all shared states are determined; ``detectable``: whether what is unobservable is said to die out.
-    ``other`` keeps fields that later commands check (measures, …) as text.
+    ``requirements``: whether accuracy asked for is met, by state or quantity; "" for all that is asked for.
     """
 
     origin: Literal["claims", "expect"]
@@ -129,7 +155,8 @@ class Claim:
     states: Mapping[str, tuple[str, Place]] = field(default_factory=dict)
     everything: Place | None = None
     detectable: tuple[bool, Place] | None = None
-    other: Mapping[str, tuple[str, Place]] = field(default_factory=dict)
+    measures: tuple[ExpectedMeasure, ...] = ()
+    requirements: Mapping[str, tuple[Met, Place]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -29,6 +29,10 @@ from obscli.numeric.square_root_filter import compressed, measured
 #: Instants closer than this, in steps, are one.
 _SAME: Final = 1e-9
 
+#: At so many instants functions of both models are compared, to so many digits.
+_PROBES: Final = 17
+_ALIKE: Final = 1e-6
+
 
 class Errors(Protocol):
     """What stands for the joint distribution of (z, ε): a square root of it, or draws from it."""
@@ -90,6 +94,7 @@ class Pair:
             )
         self._noise: Array = self._outputs @ np.linalg.cholesky(truth.schedule.R)
         self._check_samples()
+        self._check_motions()
 
     @property
     def prior(self) -> Array:
@@ -107,9 +112,21 @@ class Pair:
             k, i = lacking[0]
             name = self.design.numeric.system.outputs[i].name
             raise NotComputableError(
-                f"the filter takes a sample of {name} at {wanted.t[k]:.6g}, but the true model has none then: "
+                f"the filter takes a sample of {name} at {wanted.t[k]:.6g}, but the true model has none: "
                 "give the filter a step that is a multiple of that of the truth (`every`, `noise: step`)"
             )
+
+    def _check_motions(self) -> None:
+        """Refuse functions left open that both models have and that do not move alike."""
+        t = np.linspace(self.design.schedule.start, self.design.schedule.stop, _PROBES)
+        true, own = (one.numeric.values(t, {}) for one in (self.truth, self.design))
+        for function in self.design.numeric.system.functions:
+            name = function.name
+            if name in true and not np.allclose(true[name], own[name], rtol=_ALIKE, atol=0):
+                raise NotComputableError(
+                    f"{name} is left open, and does not move alike in the two models: write it as an "
+                    "expression, or give both models the same functions in the same order"
+                )
 
     def follow(
         self, errors: Errors, timeline: Timeline, marks: Flags, progress: Progress
