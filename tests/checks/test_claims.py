@@ -376,14 +376,6 @@ def test_claims_at_values_where_the_system_does_not_exist_are_undecided():
     assert results[0].reason
 
 
-def test_what_is_not_checked_yet_is_undecided_not_true():
-    results = _results("  - {rank: 2}\nexpect: {measures: {cond: 2}, require: {v: met}}\n")
-    verdicts = {r.claim: r.verdict for r in results}
-    unchecked = ("measures", "require")
-    assert verdicts == {"rank 2": "holds", **dict.fromkeys(unchecked, "undecided")}
-    assert all("is not checked yet" in r.reason for r in results if r.claim in unchecked)
-
-
 @pytest.mark.parametrize(
     ("rate", "word", "verdict", "reason"),
     [

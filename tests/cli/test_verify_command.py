@@ -17,7 +17,7 @@ measurements: {y: g*tilt - bias}
 """
 RIGHT = "claims:\n  - basis: [g*tilt - bias, drift + omega*scale]\n"
 MISTYPED = "claims:\n  - rank: 2\n  - basis:\n      - g*tilt - bias\n      - drift - omega*scale\n"
-OPEN = "claims:\n  - rank: 2\nexpect:\n  - measures: {cond: 2}\n"
+OPEN = "claims:\n  - rank: 2\nexpect:\n  - measures: {stochastic: {tilt: 1/2}}\n"
 BROKEN = "states: [a]\nA: [[b]]\nH: [[1]]\n"
 
 
@@ -126,7 +126,7 @@ def test_undecided_is_4_only_where_strict(typed, put, options, expected):
     status, out, err = typed("verify", "table.yaml", *options)
 
     assert (status, err) == (expected, "")
-    assert "? undecided: measures: measures is not checked yet (table.yaml:9:22)" in out
+    assert "? undecided: stochastic of tilt is 0.5: the file has no `noise`" in out
     assert "? 4 checks: 3 hold, 0 failed, 1 undecided" in out
 
 

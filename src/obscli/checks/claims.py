@@ -131,8 +131,6 @@ def check_claim(claim: Claim, ground: Ground) -> Iterator[CheckResult]:
         if one.basis is not None and isinstance(ground.witness, Witness):
             found = replace(found, verification=_verified(one.basis, ground, found))
         yield found
-    for field, place in _unchecked(claim):
-        yield CheckResult(f"{field}{suffix}", "undecided", f"{field} is not checked yet", place)
 
 
 def _parts(claim: Claim) -> list[Claim]:
@@ -145,17 +143,7 @@ def _parts(claim: Claim) -> list[Claim]:
     parts += [replace(empty, directions=(q,)) for q in claim.directions]
     parts += [replace(empty, states=claim.states)] if claim.states else []
     parts += [replace(empty, detectable=claim.detectable)] if claim.detectable is not None else []
-    if claim.measures or claim.requirements:
-        parts.append(replace(empty, measures=claim.measures, requirements=claim.requirements))
     return parts
-
-
-def _unchecked(claim: Claim) -> Iterator[tuple[str, Place]]:
-    """Yield the fields of a claim that nothing checks yet."""
-    if claim.measures:
-        yield "measures", claim.measures[0].place
-    if claim.requirements:
-        yield "require", next(place for _, place in claim.requirements.values())
 
 
 def _assertions(

@@ -66,14 +66,18 @@ def measures(
     ModelError
         where an instant is no expression in the names of the system
     """
+    systems = chosen_systems(model, request.stages)
+    return MeasuresReport(tuple(measure_stage(model, one, request, progress) for one in systems), changes)
+
+
+def measure_stage(
+    model: Model, system: System, request: MeasuresRequest, progress: Progress = silent
+) -> MeasuresResult:
+    """Measure one stage; raises as ``measures``."""
     chosen = _chosen(request.select)
-    options = _options(chosen, request.options)
-    thresholds = _thresholds(request.thresholds)
-    results = []
-    for system in chosen_systems(model, request.stages):
-        progress(system.stage or model.name)
-        results.append(_Stage(model, system, request, chosen, options, progress).measured(thresholds))
-    return MeasuresReport(tuple(results), changes)
+    options, thresholds = _options(chosen, request.options), _thresholds(request.thresholds)
+    progress(system.stage or model.name)
+    return _Stage(model, system, request, chosen, options, progress).measured(thresholds)
 
 
 def _chosen(select: Sequence[str]) -> tuple[Measure, ...]:

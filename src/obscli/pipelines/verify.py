@@ -16,6 +16,7 @@ from obscli.pipelines.reading import chosen_systems
 from obscli.pipelines.request import NumericRequest, Progress, silent
 from obscli.pipelines.stage_result import StageChecks
 from obscli.pipelines.verify_experiment import verify_experiment
+from obscli.pipelines.verify_measures import check_measures
 from obscli.pipelines.verify_report import VerifyReport
 
 
@@ -66,5 +67,10 @@ def _with_claims(system: System, texts: tuple[str, ...]) -> System:
 def _checked(model: Model, system: System, look: Looks) -> StageChecks:
     finding = engine.analyze(system, engine.Options(critical=False), silent)
     verification = verify_analysis(finding, look.numeric(system))
-    checks = (certified(system, finding), agreed(verification), *check_claims(system, finding, look))
+    checks = (
+        certified(system, finding),
+        agreed(verification),
+        *check_claims(system, finding, look),
+        *(one for claim in system.claims for one in check_measures(model, system, claim)),
+    )
     return StageChecks(model, system, checks, verification)

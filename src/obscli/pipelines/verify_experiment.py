@@ -13,7 +13,7 @@ from obscli.experiment.own_symbols import told_apart
 from obscli.experiment.special import at_file
 from obscli.experiment.stacked import Memo, RunRows, Stack, analysed
 from obscli.experiment.witnessed import witnessed
-from obscli.model.system import Model
+from obscli.model.system import Claim, Model
 from obscli.pipelines.calibrate import experiment_of
 from obscli.pipelines.numerical import Looks, settings_of, verify_analysis
 from obscli.pipelines.proof_checks import agreed, certified
@@ -51,9 +51,22 @@ def verify_experiment(
         replace(certified(stack.system, stack.finding), claim=_matrix(stack)),
         agreed(verification, "the Gramians of all runs together agree with it"),
         *check_experiment_claims(model.claims, subject),
+        *(one for claim in model.claims for one in _unmeasured(claim)),
     )
     system = replace(stack.system, stage=experiment.name or "experiment")
     return StageChecks(model, system, checks, verification)
+
+
+def _unmeasured(claim: Claim) -> Iterator[CheckResult]:
+    """Say that measures are taken of stages; the accuracy of an experiment is what calibrate tells."""
+    if claim.measures:
+        reason = "measures are taken of stages: give `stage` instead of `experiment`"
+        yield CheckResult("measures", "undecided", reason, claim.measures[0].place)
+    for name, (word, place) in claim.requirements.items():
+        reason = (
+            "the accuracy of an experiment is told by `obscli calibrate`, which fails where one is missed"
+        )
+        yield CheckResult(f"the accuracy of {name or 'all'} is {word}", "undecided", reason, place)
 
 
 def _matrix(stack: Stack) -> str:
