@@ -151,6 +151,8 @@ class _Stage:
         history = covariance_history(
             system, schedule, forms_of(system, combinations), self._request.recorded, self._progress
         )
+        if not len(history.t):
+            raise KeyboardInterrupt
         demands = _demands(system, self._model.require)
         motion = NumericSystem(system, horizon.start, horizon.stop).motion
         end = dict(zip(history.names, history.deviations[-1], strict=True))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from obscli.core.document import (
@@ -39,6 +40,8 @@ HEADINGS: Final[dict[Followed, str]] = {
     "quantity": "Quantities",
     "combination": "Observable combinations",
 }
+UNIT: Final = 2
+
 #: So many outages of an output are listed, and at so many instants details show deviations.
 MOST: Final = 4
 SHOWN: Final = 6
@@ -48,7 +51,12 @@ def simulate_document(results: Iterable[SimulateResult]) -> Document:
     """Return the report on the stages of one model; tables are explained once."""
     blocks: list[Block] = []
     explained = False
+    lacks: dict[str, str] = {}
     for result in results:
+        if isinstance(result.found, NotComputed):
+            before = lacks.setdefault(result.found.reason, result.title)
+            if before != result.title:
+                result = replace(result, found=NotComputed(f"the same is missing as in {before}"))  # noqa: PLW2901
         blocks += _blocks(result, explains=not explained, first=not blocks)
         explained |= not isinstance(result.found, NotComputed)
     return Document(tuple(blocks))
@@ -123,7 +131,15 @@ def _tables(result: SimulateResult, found: Simulation, *, explains: bool) -> Ite
         yield Heading(2, plain(heading))
         rows = tuple(_row(result, found, k) for k in indices)
         caption = (Text(_legend(found), "faint"),) if explains and kind == "state" else ()
-        yield Table(_columns(found, kind), rows, caption, folds=True)
+        yield _without_empty(Table(_columns(found, kind), rows, caption, folds=True))
+
+
+def _without_empty(table: Table) -> Table:
+    """Return the table without a column of units where there are none."""
+    if any(row[UNIT] != line(Text("", "faint")) for row in table.rows):
+        return table
+    rows = tuple((*row[:UNIT], *row[UNIT + 1 :]) for row in table.rows)
+    return replace(table, columns=(*table.columns[:UNIT], *table.columns[UNIT + 1 :]), rows=rows)
 
 
 def _columns(found: Simulation, kind: Followed) -> tuple[Column, ...]:
@@ -147,7 +163,8 @@ def _legend(found: Simulation) -> str:
         limit = f"what is required, else below {limit}"
     words = (
         "one standard deviation, in the units of the file, before the first sample and at the end; open "
-        f"loop: at the end, had nothing been measured; known from: when it falls below {limit} for good."
+        f"loop: at the end, had nothing been measured; known from: when it falls below {limit} for good; not "
+        "yet: not within the interval."
     )
     hidden = (
         " ● observable, ◐ only together with others, · not at all: what is not observable falls only as far "
@@ -159,7 +176,7 @@ def _legend(found: Simulation) -> str:
 def _row(result: SimulateResult, found: Simulation, k: int) -> tuple[Cell, ...]:
     form, history, time = found.forms[k], found.history, found.times[k]
     prior, end = float(history.prior[k]), float(history.deviations[-1, k])
-    reached = "not within it" if time.reached is None else number(time.reached)
+    reached = "not yet" if time.reached is None else number(time.reached)
     cells = (
         _name(form, result),
         line(Text("") if form.verdict is None else sign(form.verdict)),

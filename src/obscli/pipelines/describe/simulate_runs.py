@@ -112,6 +112,7 @@ def runs_blocks(found: MonteCarlo, *, mismatched: bool) -> Iterator[Block]:
     )
     yield Table(RUNS_COLUMNS, rows, (Text(legend, "faint"),))
     told = judgements(found)
+    yield Heading(2, plain("Consistency of the runs"))
     yield Table(
         CONSISTENCY_COLUMNS, tuple(_judgement_row(one) for one in told), (Text(_band(found), "faint"),)
     )
@@ -121,8 +122,8 @@ def runs_blocks(found: MonteCarlo, *, mismatched: bool) -> Iterator[Block]:
 def _band(found: MonteCarlo) -> str:
     return (
         "NEES: eᵀP⁻¹e of the errors, NIS: νᵀS⁻¹ν of the innovations, over their degrees of freedom and "
-        f"averaged over runs and instants: 1 is expected, in the band with {short(100 * found.confidence)} %; "
-        "inside: instants at which the average over the runs is in its own band."
+        f"averaged over runs and instants: 1 is expected, in the band with {short(100 * found.confidence)} "
+        "%; inside: instants at which the average over the runs is in its own band."
     )
 
 
