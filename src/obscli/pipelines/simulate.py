@@ -185,7 +185,13 @@ class _Stage:
             self._request.recorded,
             self._progress,
         )
-        return replace(found, mismatch=Mismatch(design, other, history))
+        if not len(history.t):
+            return found
+        end = dict(zip(history.names, history.true[-1], strict=True))
+        demands = tuple(
+            Demand(one.name, one.limit, float(end[one.name])) for one in found.demands if one.name in end
+        )
+        return replace(found, mismatch=Mismatch(design, other, history, demands))
 
     def _runs(self, found: Simulation, other: System | None) -> MonteCarlo | None:
         if not self._request.runs:

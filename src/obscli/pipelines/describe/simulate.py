@@ -26,7 +26,7 @@ from obscli.core.number import counted, short
 from obscli.core.number import plain as number
 from obscli.numeric.finding import NotComputed
 from obscli.pipelines.describe.formulas import combination
-from obscli.pipelines.describe.simulate_runs import mismatch_blocks, runs_blocks
+from obscli.pipelines.describe.simulate_runs import DEMANDED, demanded, mismatch_blocks, runs_blocks
 from obscli.pipelines.describe.words import names, sign
 from obscli.pipelines.simulate_result import FollowedForm, Sampling, SimulateResult, Simulation
 
@@ -143,7 +143,6 @@ def _without_empty(table: Table) -> Table:
 
 
 def _columns(found: Simulation, kind: Followed) -> tuple[Column, ...]:
-    demanded = (Column("required", "right"), Column()) if found.demands else ()
     return (
         Column(kind, breaks=True),
         Column(),
@@ -153,7 +152,7 @@ def _columns(found: Simulation, kind: Followed) -> tuple[Column, ...]:
         Column("of prior", "right"),
         Column("open loop", "right"),
         Column("known from", "right"),
-        *demanded,
+        *(DEMANDED if found.demands else ()),
     )
 
 
@@ -187,21 +186,13 @@ def _row(result: SimulateResult, found: Simulation, k: int) -> tuple[Cell, ...]:
         line(Text(short(float(history.open_loop[-1, k]), 3))),
         line(Text(reached, "open" if time.reached is None else "plain")),
     )
-    return (*cells, *_demanded(found, form.name)) if found.demands else cells
+    return (*cells, *demanded(found.demands, form.name)) if found.demands else cells
 
 
 def _name(form: FollowedForm, result: SimulateResult) -> Cell:
     if form.kind == "combination":
         return line(combination(form.coefficients, result.system))
     return line(Text(form.name, "name"))
-
-
-def _demanded(found: Simulation, name: str) -> tuple[Cell, Cell]:
-    own = next((one for one in found.demands if one.name == name), None)
-    if own is None:
-        return line(Text("–")), line(Text(""))
-    met = Text("✓", "good") if own.is_met else Text("✗", "bad")
-    return line(Text(short(own.limit, 3))), line(met)
 
 
 def _course_blocks(found: Simulation) -> Iterator[Block]:
@@ -236,10 +227,16 @@ def _verdict_blocks(found: Simulation) -> Iterator[Block]:
 
 
 def _demand_lines(found: Simulation) -> Iterator[Block]:
-    failed = [one for one in found.demands if not one.is_met]
-    if failed:
-        listed = ", ".join(f"{one.name} ({short(one.after, 3)})" for one in failed[: 2 * MOST])
-        more = f" and {len(failed) - 2 * MOST} more" if len(failed) > 2 * MOST else ""
-        yield VerdictLine("bad", plain(f"not as well known at the end as required: {listed}{more}"))
-    elif found.demands:
-        yield VerdictLine("good", plain("everything is as well known at the end as required"))
+    """Yield whether requirements are met, by the filter of the model itself and by that of another."""
+    judged = [("", found.demands)]
+    if found.mismatch is not None:
+        judged.append((f"the filter designed on {found.mismatch.model.name}: ", found.mismatch.demands))
+    for whose, demands in judged:
+        failed = [one for one in demands if not one.is_met]
+        if failed:
+            listed = ", ".join(f"{one.name} ({short(one.after, 3)})" for one in failed[: 2 * MOST])
+            more = f" and {len(failed) - 2 * MOST} more" if len(failed) > 2 * MOST else ""
+            words = f"{whose}not as well known at the end as required: {listed}{more}"
+            yield VerdictLine("bad", plain(words))
+        elif demands:
+            yield VerdictLine("good", plain(f"{whose}everything is as well known at the end as required"))
