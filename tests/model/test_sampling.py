@@ -136,4 +136,6 @@ def test_outputs_with_outages_are_named_a_vector_as_a_whole():
     assert base(MODEL.replace("gnss: {unit: m, every: 1/f_s, during", "gnss1: {during")).interrupted == (
         "gnss1", "speed",
     )  # fmt: skip
-    assert base("states: [x]\nA: [[0]]\nH: [[1]]\noutputs: {y1: {every: 1}}\n").interrupted == ()
+    alone = "states: [x]\nA: [[0]]\nH: {gnss: {x: 1}}\noutputs: {gnss: {every: 1, during: [[0, 1]]}}\n"
+    assert base(alone).interrupted == ("gnss",)
+    assert base(alone.replace(", during: [[0, 1]]", "")).interrupted == ()

@@ -288,6 +288,12 @@ def test_a_state_without_prior_is_named_with_the_remedy(system):
         history(given, 0, 1)
 
 
+def test_a_covariance_beyond_all_numbers_is_refused_with_its_instant(system):
+    given = system("states: [x]\nA: [[1]]\nH: [[1]]\nnoise: {R: 1, step: 10, P0_std: 1}\n")
+    with pytest.raises(NotComputableError, match="beyond all numbers at 7"):
+        history(given, 0, 2000)
+
+
 def test_roots_are_those_after_the_sample_at_an_instant_and_between_samples(system):
     given = system("states: [x]\nA: [[0]]\nH: [[1]]\nnoise: {R: 1, step: 1, Q: 0.5, P0_std: 2}\n")
     roots, opened = roots_at(given, schedule_of(given, 0, 3), np.array([0, 0.4, 1.0, 1.0 - 1e-13]))

@@ -8,7 +8,7 @@ from typing import cast
 
 from obscli.model.draft import Draft, ParameterDraft
 from obscli.model.evaluate import evaluate
-from obscli.model.expression import Expression, Number, Symbol, is_zero
+from obscli.model.expression import Expression, ExpressionTooLarge, Number, Symbol, is_zero
 from obscli.model.formula import Formula
 from obscli.model.meter import Meter
 from obscli.model.scope import Absent, Scope
@@ -79,10 +79,17 @@ def constant(formula: Formula, scope: Scope, problems: Problems) -> Expression |
 def unmoving(formula: Formula, scope: Scope, problems: Problems) -> Expression | None:
     """Evaluate a scalar free of states, time and functions; None where it is reported."""
     value = constant(formula, scope, problems)
-    if value is not None and not is_zero(scope.derive(value)):
-        problems.add(formula.problem("a constant is expected here, and this depends on time"))
+    if value is None:
         return None
-    return value
+    try:
+        rate = scope.derive(value)
+    except ExpressionTooLarge as error:
+        problems.add(formula.problem(str(error)))
+        return None
+    if is_zero(rate):
+        return value
+    problems.add(formula.problem("a constant is expected here, and this depends on time"))
+    return None
 
 
 def _absent(draft: Draft) -> dict[str, Absent]:

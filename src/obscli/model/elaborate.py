@@ -57,15 +57,7 @@ def elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | No
 
 
 def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | None:
-    known = environment(
-        draft,
-        setting.fix,
-        setting.run.fix if setting.run else {},
-        setting.elsewhere,
-        setting.meter,
-        problems,
-        base=setting.base,
-    )
+    known = _known(draft, setting, problems)
     states = _states(draft, known, problems)
     if not draft.states_sound:
         return None
@@ -107,6 +99,19 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
         interval=kept_interval(draft.interval, "interval", known.scope, problems),
         scope=still,
         fixed=tuple(draft.fix),
+    )
+
+
+def _known(draft: Draft, setting: Setting, problems: Problems) -> Environment:
+    """Return what the names of the stage stand for."""
+    return environment(
+        draft,
+        setting.fix,
+        setting.run.fix if setting.run else {},
+        setting.elsewhere,
+        setting.meter,
+        problems,
+        base=setting.base,
     )
 
 

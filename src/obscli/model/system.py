@@ -242,6 +242,7 @@ class System:
     def interrupted(self) -> tuple[str, ...]:
         """The names of the outputs with outages; a vector's own where all of it has them."""
         whole = {one.vector for one in self.outputs} - {one.vector for one in self.outputs if not one.during}
+        whole.discard("")
         names = (one.vector if one.vector in whole else one.name for one in self.outputs if one.during)
         return tuple(dict.fromkeys(names))
 

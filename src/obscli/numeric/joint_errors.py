@@ -23,7 +23,7 @@ from obscli.numeric.program import Array, Counts, Flags
 from obscli.numeric.progress import Progress
 from obscli.numeric.sampled_system import SampledSystem, Stretch, Timeline
 from obscli.numeric.schedule import Schedule
-from obscli.numeric.square_root_filter import compressed, measured
+from obscli.numeric.square_root_filter import compressed, measured, refuse_infinite
 
 
 #: Instants closer than this, in steps, are one.
@@ -69,6 +69,25 @@ class Followed:
     filter_transition: Array
     error_transition: Array
     innovation: Array | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Outputs:
+    """On a panel, in units of the noise that the filter expects: B, (D B), W R^½; at which instants."""
+
+    rows: Array
+    joint: Array
+    noise: Array
+    sampled: Flags
+
+    def taken(self, k: int, root: Array, entered: Array | None, errors: Errors) -> tuple[Array, Array | None]:
+        """Correct the errors by the sample at an instant; return L after driving noise and it, S^−½ ν."""
+        if not self.sampled[k]:
+            return (root if entered is None else compressed([root, entered])), None
+        root, S, gain = measured(root, self.rows[k], entered)
+        inverse = np.linalg.inv(S)
+        found = errors.correct(self.joint[k], self.noise[k], gain @ inverse)
+        return root, None if found is None else inverse @ found
 
 
 class Pair:
@@ -131,36 +150,36 @@ class Pair:
     def follow(
         self, errors: Errors, timeline: Timeline, marks: Flags, progress: Progress
     ) -> Iterator[Followed]:
-        """Run the filter on the errors, and yield what is known at the marks."""
+        """Run the filter on the errors, and yield what is known at the marks.
+
+        Raises
+        ------
+        NotComputableError
+            where the covariance is beyond all numbers
+        """
         root = self.design.prior
         both = zip(self.truth.stretches(timeline), self.design.stretches(timeline), strict=True)
         for true, own in both:
             part = slice(own.first, own.first + len(own.rows))
             progress(f"t = {timeline.t[part.start]:.6g} of {timeline.t[-1]:.6g}")
-            whitening = self.design.whitening(timeline.sample[part])
-            rows = whitening @ own.rows
-            others = whitening @ (self._outputs @ true.rows) - rows @ self.common
-            joint = np.concatenate([others, rows], axis=2)
-            noise = whitening @ self._noise
-            taken = timeline.sample[part] >= 0
-            for k in range(len(rows)):
-                entered = None if own.noise is None else own.noise[k]
+            outputs = self._outputs_of(true, own, timeline.sample[part])
+            for k in range(len(own.rows)):
                 if true.noise is not None:
                     errors.add(np.concatenate([true.noise[k], self.common @ true.noise[k]]))
-                innovation = None
-                if taken[k]:
-                    root, S, gain = measured(root, rows[k], entered)
-                    inverse = np.linalg.inv(S)
-                    found = errors.correct(joint[k], noise[k], gain @ inverse)
-                    innovation = None if found is None else inverse @ found
-                elif entered is not None:
-                    root = compressed([root, entered])
+                entered = None if own.noise is None else own.noise[k]
+                root, innovation = outputs.taken(k, root, entered, errors)
                 if marks[own.first + k]:
-                    yield Followed(
-                        own.first + k, root, own.transition[k], self._to_errors(true, own, k), innovation
-                    )
+                    refuse_infinite(timeline.t[own.first + k], root, errors.columns)
+                    to_errors = self._to_errors(true, own, k)
+                    yield Followed(own.first + k, root, own.transition[k], to_errors, innovation)
             root = own.transition[-1] @ root
             errors.move(self._onward(true, own))
+
+    def _outputs_of(self, true: Stretch, own: Stretch, sample: Counts) -> _Outputs:
+        whitening = self.design.whitening(sample)
+        rows = whitening @ own.rows
+        others = whitening @ (self._outputs @ true.rows) - rows @ self.common
+        return _Outputs(rows, np.concatenate([others, rows], axis=2), whitening @ self._noise, sample >= 0)
 
     def _to_errors(self, true: Stretch, own: Stretch, k: int) -> Array:
         """Return what takes (z, ε) to e at an instant of a panel."""

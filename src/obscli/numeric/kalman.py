@@ -18,14 +18,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from obscli.model.system import System
-from obscli.numeric.errors import NotComputableError
 from obscli.numeric.linear_forms import Forms
 from obscli.numeric.program import Array, Flags
 from obscli.numeric.progress import Progress, silent
 from obscli.numeric.sampled_system import SampledSystem, Stretch, Timeline, timeline_of
 from obscli.numeric.schedule import Schedule
 from obscli.numeric.simulation_finding import History
-from obscli.numeric.square_root_filter import compressed, informed, measured
+from obscli.numeric.square_root_filter import compressed, informed, measured, refuse_infinite
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +36,7 @@ class _Known:
     open_loop: Array
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what is not finite is refused
 def covariance_history(
     system: System, schedule: Schedule, forms: Forms, recorded: int = 500, progress: Progress = silent
 ) -> History:
@@ -73,6 +73,7 @@ def covariance_history(
     )
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what is not finite is refused
 def roots_at(system: System, schedule: Schedule, instants: Array) -> tuple[Array, Array]:
     """Return L with P = L Lᵀ after the samples up to each instant, and of the open loop, (k, n, n) each.
 
@@ -110,7 +111,7 @@ def _followed(
             walk = _driven(root, stretch.noise, rows, taken, marks[part])
         for k, root in walk:  # the last one is that at the panel's end
             if marks[stretch.first + k]:
-                yield _known(stretch, k, root, opened)
+                yield _known(timeline, stretch, k, root, opened)
         end = stretch.transition[-1]
         root = end @ root
         opened = end @ opened if stretch.noise is None else compressed([end @ opened, *(end @ stretch.noise)])
@@ -138,10 +139,9 @@ def _driven(
             yield k, root
 
 
-def _known(stretch: Stretch, k: int, root: Array, opened: Array) -> _Known:
+def _known(timeline: Timeline, stretch: Stretch, k: int, root: Array, opened: Array) -> _Known:
     phi = stretch.transition[k]
     parts = [opened] if stretch.noise is None else [opened, *stretch.noise[: k + 1]]
     known = _Known(stretch.first + k, phi @ root, phi @ np.concatenate(parts, axis=1))
-    if not (np.isfinite(known.root).all() and np.isfinite(known.open_loop).all()):
-        raise NotComputableError("the covariance is beyond all numbers: choose a shorter interval (--to)")
+    refuse_infinite(timeline.t[known.index], known.root, known.open_loop)
     return known

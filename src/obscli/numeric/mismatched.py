@@ -34,6 +34,7 @@ from obscli.numeric.square_root_filter import compressed
 _GATHERED: Final = 4
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what is not finite is refused
 def mismatch_history(
     truth: System,
     filter_: System,

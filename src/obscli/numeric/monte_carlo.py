@@ -50,6 +50,7 @@ class _Recorded:
     nis: tuple[float, int] | None
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what is not finite is refused
 def monte_carlo(  # noqa: PLR0913 - the system, the runs, and what is kept of them
     system: System,
     schedule: Schedule,

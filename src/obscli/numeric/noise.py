@@ -112,7 +112,7 @@ def continuous_noise(numeric: NumericSystem, still: Sequence[str] = ()) -> Noise
     """
     names = ", ".join(numeric.system.interrupted)
     if names:
-        hint = "`obscli simulate` takes samples as they come; or delete the key for what no outage disturbs"
+        hint = "obscli simulate takes samples as they come; else delete the key"
         raise NotComputableError(f"outages of {names} (`during`) are not taken into account here: {hint}")
     return noise_model(numeric, still)
 

@@ -52,9 +52,7 @@ def informed(root: Array, rows: Array) -> Array:
     """Return L⁺ after outputs of rows B, shape (k, n), of a state that nothing drives."""
     n = root.shape[1]
     joint = np.concatenate([rows @ root, np.eye(n)])
-    found, info = dtrtrs(_triangle(np.asfortranarray(joint)), root.T, trans=1)
-    if info:
-        raise NotComputableError("the covariance is beyond all numbers: choose a shorter interval (--to)")
+    found, _ = dtrtrs(_triangle(np.asfortranarray(joint)), root.T, trans=1)  # T has no zero: TᵀT ≥ I
     result: Array = found.T
     return result
 
@@ -66,6 +64,14 @@ def compressed(parts: Sequence[Array]) -> Array:
     joint = np.zeros((max(n, k), n), order="F")
     joint[:k] = columns.T
     return _triangle(joint).T
+
+
+def refuse_infinite(t: float, *roots: Array) -> None:
+    """Refuse square roots that are beyond all numbers at an instant."""
+    if not all(np.isfinite(one).all() for one in roots):
+        raise NotComputableError(
+            f"the covariance is beyond all numbers at {t:.6g}: choose a shorter interval (--to)"
+        )
 
 
 def _triangle(rows: Array) -> Array:

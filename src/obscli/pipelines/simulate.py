@@ -151,6 +151,8 @@ class _Stage:
         history = covariance_history(
             system, schedule, forms_of(system, combinations), self._request.recorded, self._progress
         )
+        if not len(history.t):
+            raise KeyboardInterrupt
         demands = _demands(system, self._model.require)
         motion = NumericSystem(system, horizon.start, horizon.stop).motion
         end = dict(zip(history.names, history.deviations[-1], strict=True))
@@ -183,7 +185,13 @@ class _Stage:
             self._request.recorded,
             self._progress,
         )
-        return replace(found, mismatch=Mismatch(design, other, history))
+        if not len(history.t):
+            return found
+        end = dict(zip(history.names, history.true[-1], strict=True))
+        demands = tuple(
+            Demand(one.name, one.limit, float(end[one.name])) for one in found.demands if one.name in end
+        )
+        return replace(found, mismatch=Mismatch(design, other, history, demands))
 
     def _runs(self, found: Simulation, other: System | None) -> MonteCarlo | None:
         if not self._request.runs:

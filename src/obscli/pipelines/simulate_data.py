@@ -153,6 +153,7 @@ def _mismatch(one: Mismatch) -> dict[str, object]:
         "t": _numbers(found.t),
         "claimed": _by_form(found.names, found.claimed),
         "true": _by_form(found.names, found.true),
+        "require": [_demand(own) for own in one.demands],
         "ratio": {
             own.name: {"end": json_number(own.end), "worst": json_number(own.worst), "when": own.when}
             for own in one.ratios

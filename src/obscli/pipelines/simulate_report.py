@@ -9,7 +9,6 @@ from obscli.core.document import Document
 from obscli.core.figure import Figure
 from obscli.numeric.finding import NotComputed
 from obscli.pipelines.describe.simulate import simulate_document
-from obscli.pipelines.describe.simulate_figures import simulate_figures
 from obscli.pipelines.request import Changes
 from obscli.pipelines.simulate_data import history_columns, history_data, simulate_data
 from obscli.pipelines.simulate_result import SimulateResult
@@ -44,6 +43,8 @@ class SimulateReport:
 
     def figures(self) -> Iterable[Figure]:
         """Return the figures: deviations against time, consistency, what a mismatched filter claims."""
+        from obscli.pipelines.describe.simulate_figures import simulate_figures  # noqa: PLC0415 - needs numpy
+
         return simulate_figures(self.results)
 
     def data(self) -> Mapping[str, object]:

@@ -77,11 +77,15 @@ class Overconfidence:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mismatch:
-    """A filter designed on another model: the model, its system, and what its errors are."""
+    """A filter designed on another model: the model, its system, and what its errors are.
+
+    ``demands``: requirements of the truth's file on what the filter follows, held against its true errors.
+    """
 
     model: Model
     system: System
     history: MismatchHistory
+    demands: tuple[Demand, ...] = ()
 
     @property
     def ratios(self) -> tuple[Overconfidence, ...]:
@@ -160,7 +164,8 @@ class SimulateResult:
 
     @property
     def failed(self) -> int:
-        """How many requirements are not met at the end."""
+        """How many requirements are not met at the end, by the filter of the model itself or by another."""
         if isinstance(self.found, NotComputed):
             return 0
-        return sum(not one.is_met for one in self.found.demands)
+        other = self.found.mismatch.demands if self.found.mismatch else ()
+        return len({one.name for one in (*self.found.demands, *other) if not one.is_met})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from obscli.core.document import (
@@ -25,7 +26,7 @@ from obscli.core.number import counted, short
 from obscli.core.number import plain as number
 from obscli.numeric.finding import NotComputed
 from obscli.pipelines.describe.formulas import combination
-from obscli.pipelines.describe.simulate_runs import mismatch_blocks, runs_blocks
+from obscli.pipelines.describe.simulate_runs import DEMANDED, demanded, mismatch_blocks, runs_blocks
 from obscli.pipelines.describe.words import names, sign
 from obscli.pipelines.simulate_result import FollowedForm, Sampling, SimulateResult, Simulation
 
@@ -39,6 +40,8 @@ HEADINGS: Final[dict[Followed, str]] = {
     "quantity": "Quantities",
     "combination": "Observable combinations",
 }
+UNIT: Final = 2
+
 #: So many outages of an output are listed, and at so many instants details show deviations.
 MOST: Final = 4
 SHOWN: Final = 6
@@ -48,7 +51,12 @@ def simulate_document(results: Iterable[SimulateResult]) -> Document:
     """Return the report on the stages of one model; tables are explained once."""
     blocks: list[Block] = []
     explained = False
+    lacks: dict[str, str] = {}
     for result in results:
+        if isinstance(result.found, NotComputed):
+            before = lacks.setdefault(result.found.reason, result.title)
+            if before != result.title:
+                result = replace(result, found=NotComputed(f"the same is missing as in {before}"))  # noqa: PLW2901
         blocks += _blocks(result, explains=not explained, first=not blocks)
         explained |= not isinstance(result.found, NotComputed)
     return Document(tuple(blocks))
@@ -123,11 +131,18 @@ def _tables(result: SimulateResult, found: Simulation, *, explains: bool) -> Ite
         yield Heading(2, plain(heading))
         rows = tuple(_row(result, found, k) for k in indices)
         caption = (Text(_legend(found), "faint"),) if explains and kind == "state" else ()
-        yield Table(_columns(found, kind), rows, caption, folds=True)
+        yield _without_empty(Table(_columns(found, kind), rows, caption, folds=True))
+
+
+def _without_empty(table: Table) -> Table:
+    """Return the table without a column of units where there are none."""
+    if any(row[UNIT] != line(Text("", "faint")) for row in table.rows):
+        return table
+    rows = tuple((*row[:UNIT], *row[UNIT + 1 :]) for row in table.rows)
+    return replace(table, columns=(*table.columns[:UNIT], *table.columns[UNIT + 1 :]), rows=rows)
 
 
 def _columns(found: Simulation, kind: Followed) -> tuple[Column, ...]:
-    demanded = (Column("required", "right"), Column()) if found.demands else ()
     return (
         Column(kind, breaks=True),
         Column(),
@@ -137,7 +152,7 @@ def _columns(found: Simulation, kind: Followed) -> tuple[Column, ...]:
         Column("of prior", "right"),
         Column("open loop", "right"),
         Column("known from", "right"),
-        *demanded,
+        *(DEMANDED if found.demands else ()),
     )
 
 
@@ -147,7 +162,8 @@ def _legend(found: Simulation) -> str:
         limit = f"what is required, else below {limit}"
     words = (
         "one standard deviation, in the units of the file, before the first sample and at the end; open "
-        f"loop: at the end, had nothing been measured; known from: when it falls below {limit} for good."
+        f"loop: at the end, had nothing been measured; known from: when it falls below {limit} for good; not "
+        "yet: not within the interval."
     )
     hidden = (
         " ● observable, ◐ only together with others, · not at all: what is not observable falls only as far "
@@ -159,7 +175,7 @@ def _legend(found: Simulation) -> str:
 def _row(result: SimulateResult, found: Simulation, k: int) -> tuple[Cell, ...]:
     form, history, time = found.forms[k], found.history, found.times[k]
     prior, end = float(history.prior[k]), float(history.deviations[-1, k])
-    reached = "not within it" if time.reached is None else number(time.reached)
+    reached = "not yet" if time.reached is None else number(time.reached)
     cells = (
         _name(form, result),
         line(Text("") if form.verdict is None else sign(form.verdict)),
@@ -170,21 +186,13 @@ def _row(result: SimulateResult, found: Simulation, k: int) -> tuple[Cell, ...]:
         line(Text(short(float(history.open_loop[-1, k]), 3))),
         line(Text(reached, "open" if time.reached is None else "plain")),
     )
-    return (*cells, *_demanded(found, form.name)) if found.demands else cells
+    return (*cells, *demanded(found.demands, form.name)) if found.demands else cells
 
 
 def _name(form: FollowedForm, result: SimulateResult) -> Cell:
     if form.kind == "combination":
         return line(combination(form.coefficients, result.system))
     return line(Text(form.name, "name"))
-
-
-def _demanded(found: Simulation, name: str) -> tuple[Cell, Cell]:
-    own = next((one for one in found.demands if one.name == name), None)
-    if own is None:
-        return line(Text("–")), line(Text(""))
-    met = Text("✓", "good") if own.is_met else Text("✗", "bad")
-    return line(Text(short(own.limit, 3))), line(met)
 
 
 def _course_blocks(found: Simulation) -> Iterator[Block]:
@@ -219,10 +227,16 @@ def _verdict_blocks(found: Simulation) -> Iterator[Block]:
 
 
 def _demand_lines(found: Simulation) -> Iterator[Block]:
-    failed = [one for one in found.demands if not one.is_met]
-    if failed:
-        listed = ", ".join(f"{one.name} ({short(one.after, 3)})" for one in failed[: 2 * MOST])
-        more = f" and {len(failed) - 2 * MOST} more" if len(failed) > 2 * MOST else ""
-        yield VerdictLine("bad", plain(f"not as well known at the end as required: {listed}{more}"))
-    elif found.demands:
-        yield VerdictLine("good", plain("everything is as well known at the end as required"))
+    """Yield whether requirements are met, by the filter of the model itself and by that of another."""
+    judged = [("", found.demands)]
+    if found.mismatch is not None:
+        judged.append((f"the filter designed on {found.mismatch.model.name}: ", found.mismatch.demands))
+    for whose, demands in judged:
+        failed = [one for one in demands if not one.is_met]
+        if failed:
+            listed = ", ".join(f"{one.name} ({short(one.after, 3)})" for one in failed[: 2 * MOST])
+            more = f" and {len(failed) - 2 * MOST} more" if len(failed) > 2 * MOST else ""
+            words = f"{whose}not as well known at the end as required: {listed}{more}"
+            yield VerdictLine("bad", plain(words))
+        elif demands:
+            yield VerdictLine("good", plain(f"{whose}everything is as well known at the end as required"))

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from obscli.core.figure import Curve, Emphasis, Figure, Panel
+from obscli.model.system import System
 from obscli.numeric.finding import NotComputed
 from obscli.pipelines.simulate_result import FollowedForm, Mismatch, SimulateResult, Simulation
 
@@ -16,9 +19,14 @@ if TYPE_CHECKING:
     from obscli.numeric.simulation_finding import Consistency, MonteCarlo
 
 #: Forms in one panel, and panels in one figure.
-CURVES: Final = 2
+CURVES: Final = 3
 PANELS: Final = 4
 STYLES: Final[tuple[Emphasis, ...]] = ("main", "one of many")
+
+#: Marks of the third curve; relative difference up to which curves are drawn as one; letters of a title.
+MARKS: Final = 25
+ALIKE: Final = 1e-3
+LONGEST: Final = 70
 
 
 def simulate_figures(results: Iterable[SimulateResult]) -> Iterator[Figure]:
@@ -28,23 +36,22 @@ def simulate_figures(results: Iterable[SimulateResult]) -> Iterator[Figure]:
         if isinstance(found, NotComputed):
             continue
         time = result.system.time
-        yield from _deviations(result.title, time, found)
+        yield from _deviations(result, found)
         if found.mismatch is not None:
             yield from _mismatch(result.title, time, found.mismatch)
         if found.monte_carlo is not None:
             yield _consistency(result.title, time, found.monte_carlo)
 
 
-def _deviations(title: str, time: str, found: Simulation) -> Iterator[Figure]:
-    """Yield σ against time with the open loop and what is required; forms of one vector stand together."""
-    kinds = {
-        "deviations": [k for k, one in enumerate(found.forms) if one.kind != "combination"],
-        "combinations": [k for k, one in enumerate(found.forms) if one.kind == "combination"],
-    }
+def _deviations(result: SimulateResult, found: Simulation) -> Iterator[Figure]:
+    """Yield σ against time, with the open loop and what is required, and that of combinations."""
     required = {one.name: one.limit for one in found.demands}
-    for name, indices in kinds.items():
-        panels = [_panel(found, part, required) for part in _parts(found.forms, indices)]
-        yield from _figures(f"{title}-{name}", f"{title}: standard deviations", time, panels)
+    title = f"{result.title}: standard deviations"
+    alone = [k for k, one in enumerate(found.forms) if one.kind == "combination"]
+    parts = {"deviations": list(_parts(result.system, found.forms)), "combinations": [[k] for k in alone]}
+    for name, groups in parts.items():
+        panels = [_panel(found, group, required) for group in groups]
+        yield from _figures(f"{result.title}-{name}", title, result.system.time, panels)
 
 
 def _figures(name: str, title: str, time: str, panels: Sequence[Panel]) -> Iterator[Figure]:
@@ -53,50 +60,61 @@ def _figures(name: str, title: str, time: str, panels: Sequence[Panel]) -> Itera
         yield Figure(name + part, title, time, tuple(panels[k : k + PANELS]))
 
 
-def _parts(forms: Sequence[FollowedForm], indices: Sequence[int]) -> Iterator[list[int]]:
-    """Yield indices of forms of one unit, as many as one panel takes; combinations one a panel."""
+def _parts(system: System, forms: Sequence[FollowedForm]) -> Iterator[list[int]]:
+    """Yield indices of states of one vector, else of one unit, as many as a panel takes; quantities alone."""
+    vectors = {state.name: state.vector for state in system.states}
     groups: dict[tuple[str, str], list[int]] = {}
-    for k in indices:
-        form = forms[k]
-        apart = form.name if form.kind != "state" or not form.unit else ""
-        groups.setdefault((form.unit, apart), []).append(k)
+    for k, form in enumerate(forms):
+        if form.kind == "combination":
+            continue
+        together = vectors.get(form.name) or ("" if form.kind == "state" and form.unit else form.name)
+        groups.setdefault((form.unit, together), []).append(k)
     for group in groups.values():
         for k in range(0, len(group), CURVES):
             yield group[k : k + CURVES]
 
 
-def _panel(found: Simulation, indices: Sequence[int], required: dict[str, float]) -> Panel:
-    history = found.history
+def _panel(found: Simulation, indices: Sequence[int], required: Mapping[str, float]) -> Panel:
+    """Return the deviations of some forms; open loops, and limits, that coincide are drawn once."""
+    history, t = found.history, found.history.t
     curves: list[Curve] = []
-    for k, style in zip(indices, STYLES, strict=False):
-        name = history.names[k]
-        curves += _curve(name, history.t, history.deviations[:, k], style)
-        curves += _curve(f"{name}, nothing measured", history.t, history.open_loop[:, k], "reference")
-        if name in required:
-            ends = (float(history.t[0]), float(history.t[-1]))
-            curves.append(Curve(f"{name}, required", ends, (required[name], required[name]), "limit"))
-    return Panel(
-        _title(found.forms, indices),
-        _label("σ", found.forms[indices[0]].unit),
-        tuple(curves),
-        logarithmic=True,
-    )
+    for place, k in enumerate(indices):
+        label = history.names[k] if len(indices) > 1 else "Kalman filter"
+        curves += _styled(label, t, history.deviations[:, k], place)
+    apart: list[Array] = []
+    for k in indices:
+        own = history.open_loop[:, k]
+        if not any(np.allclose(own, other, rtol=ALIKE, atol=0) for other in apart):
+            curves += _curve("" if apart else "nothing measured", t, own, "reference")
+            apart.append(own)
+    names = [history.names[k] for k in indices]
+    limits = sorted({required[name] for name in names if name in required})
+    ends = (float(t[0]), float(t[-1]))
+    curves += [Curve("required", ends, (limit, limit), "limit") for limit in limits]
+    title = ", ".join(names)
+    title = title if len(title) <= LONGEST else f"{title[:LONGEST]} …"
+    return Panel(title, _label(found.forms[indices[0]].unit), tuple(curves), logarithmic=True)
 
 
-def _title(forms: Sequence[FollowedForm], indices: Sequence[int]) -> str:
-    return ", ".join(forms[k].name for k in indices)
+def _label(unit: str) -> str:
+    return f"σ [{unit}]" if unit else "σ"
 
 
-def _label(what: str, unit: str) -> str:
-    return f"{what} [{unit}]" if unit else what
+def _styled(label: str, t: Array, values: Array, place: int) -> Iterator[Curve]:
+    """Yield the curve in the style of its place in the panel: black, grey, or a few marks."""
+    if place < len(STYLES):
+        yield from _curve(label, t, values, STYLES[place])
+        return
+    few = np.unique(np.linspace(0, len(t) - 1, MARKS).round().astype(int))
+    for curve in _curve(label, t[few], values[few], "main"):
+        yield replace(curve, marked=True)
 
 
 def _curve(label: str, t: Array, values: Array, style: Emphasis) -> Iterator[Curve]:
-    """Yield the curve where it can be drawn on a logarithmic scale."""
-    pairs = [(float(x), float(y)) for x, y in zip(t, values, strict=True) if math.isfinite(y) and y > 0]
-    if pairs:
-        x, y = zip(*pairs, strict=True)
-        yield Curve(label, x, y, style)
+    """Yield the curve as far as it can be drawn on a logarithmic scale."""
+    drawn = np.isfinite(values) & (values > 0)
+    if drawn.any():
+        yield Curve(label, tuple(t[drawn].tolist()), tuple(values[drawn].tolist()), style)
 
 
 def _mismatch(title: str, time: str, one: Mismatch) -> Iterator[Figure]:
@@ -106,7 +124,7 @@ def _mismatch(title: str, time: str, one: Mismatch) -> Iterator[Figure]:
     panels = [
         Panel(
             name,
-            _label("σ", units.get(name, "")),
+            _label(units.get(name, "")),
             (
                 *_curve("true", found.t, found.true[:, k], "main"),
                 *_curve("as the filter claims", found.t, found.claimed[:, k], "reference"),

@@ -8,7 +8,7 @@ of NIS, whose innovations are independent where the filter is right, by that ban
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -28,7 +28,7 @@ from obscli.core.document import (
 from obscli.core.number import counted, short
 from obscli.core.number import plain as number
 from obscli.pipelines.describe.words import names, ratio
-from obscli.pipelines.simulate_result import Mismatch
+from obscli.pipelines.simulate_result import Demand, Mismatch
 
 
 if TYPE_CHECKING:
@@ -47,6 +47,7 @@ MISMATCH_LEGEND: Final = (
     "one standard deviation at the end, in the units of the file: as the filter has it, and as it is; above "
     "1 the filter is optimistic, below 1 it could claim less."
 )
+DEMANDED: Final = (Column("required", "right"), Column())
 RUNS_COLUMNS: Final = (
     Column("", breaks=True),
     Column("claimed", "right"),
@@ -90,6 +91,15 @@ def judgements(found: MonteCarlo) -> tuple[Judgement, ...]:
     return (nees,) if found.nis is None else (nees, judged("NIS", found.nis, independent=True))
 
 
+def demanded(demands: Iterable[Demand], name: str) -> tuple[Cell, Cell]:
+    """Return what is required of a form, and whether that is met."""
+    own = next((one for one in demands if one.name == name), None)
+    if own is None:
+        return line(Text("–")), line(Text(""))
+    met = Text("✓", "good") if own.is_met else Text("✗", "bad")
+    return line(Text(short(own.limit, 3))), line(met)
+
+
 def runs_blocks(found: MonteCarlo, *, mismatched: bool) -> Iterator[Block]:
     """Yield how the errors of the random runs spread against what the filter claims."""
     whose = " of the filter on the truth" if mismatched else ""
@@ -112,6 +122,7 @@ def runs_blocks(found: MonteCarlo, *, mismatched: bool) -> Iterator[Block]:
     )
     yield Table(RUNS_COLUMNS, rows, (Text(legend, "faint"),))
     told = judgements(found)
+    yield Heading(2, plain("Consistency of the runs"))
     yield Table(
         CONSISTENCY_COLUMNS, tuple(_judgement_row(one) for one in told), (Text(_band(found), "faint"),)
     )
@@ -121,8 +132,8 @@ def runs_blocks(found: MonteCarlo, *, mismatched: bool) -> Iterator[Block]:
 def _band(found: MonteCarlo) -> str:
     return (
         "NEES: eᵀP⁻¹e of the errors, NIS: νᵀS⁻¹ν of the innovations, over their degrees of freedom and "
-        f"averaged over runs and instants: 1 is expected, in the band with {short(100 * found.confidence)} %; "
-        "inside: instants at which the average over the runs is in its own band."
+        f"averaged over runs and instants: 1 is expected, in the band with {short(100 * found.confidence)} "
+        "%; inside: instants at which the average over the runs is in its own band."
     )
 
 
@@ -157,6 +168,7 @@ def mismatch_blocks(one: Mismatch) -> Iterator[Block]:
     whose = one.model.name if one.system.stage is None else f"{one.model.name} · {one.system.stage}"
     yield Heading(2, plain(f"The filter designed on {whose}"))
     units = {state.name: state.unit for state in one.system.states}
+    columns = (*MISMATCH_COLUMNS, *DEMANDED) if one.demands else MISMATCH_COLUMNS
     rows = tuple(
         (
             line(Text(name, "name")),
@@ -166,12 +178,13 @@ def mismatch_blocks(one: Mismatch) -> Iterator[Block]:
             line(Text(ratio(own.end))),
             line(Text(ratio(own.worst))),
             line(Text(number(own.when))),
+            *(demanded(one.demands, name) if one.demands else ()),
         )
         for name, claimed, true, own in zip(
             one.history.names, one.history.claimed[-1], one.history.true[-1], one.ratios, strict=True
         )
     )
-    yield Table(MISMATCH_COLUMNS, rows, (Text(MISMATCH_LEGEND, "faint"),))
+    yield Table(columns, rows, (Text(MISMATCH_LEGEND, "faint"),), folds=True)
     if one.history.ignored:
         yield Paragraph((Text("The filter leaves out "), *names(one.history.ignored), Text(".")))
     yield _mismatch_verdict(one)
