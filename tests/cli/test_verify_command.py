@@ -424,7 +424,7 @@ def test_claim_and_claims_together(here, put):
 
 
 def test_json_has_a_row_for_each_check_with_its_evidence(here, put):
-    put("table.yaml", TABLE + MISTYPED + "expect: {rank: 2, measures: {cond: 5}}\n")
+    put("table.yaml", TABLE + MISTYPED + "expect: {rank: 2, measures: {stochastic: {tilt: 5}}}\n")
 
     outcome = here("--format", "json")
 
