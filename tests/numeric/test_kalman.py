@@ -76,6 +76,19 @@ def test_the_stochastic_measure_has_the_values_of_many_digits(system, text, t, e
 
 
 @pytest.mark.parametrize(
+    ("text", "t", "expected"),
+    [
+        (ACCELEROMETER, 1000, [0.976, 0.988, 0.950]),
+        (ACCELEROMETER, 20_000, [0.99799, 0.99869, 0.99931]),
+        (GYRO, 1000, [1, 1, 1]),
+    ],
+)
+def test_beyond_the_schuler_period_all_of_it_tends_to_one(system, text, t, expected):
+    closed, opened = at(history(system(text), 0, t), t)
+    assert 1 - closed / opened == pytest.approx(expected, abs=5e-4 if t == 1000 else 5e-6)
+
+
+@pytest.mark.parametrize(
     ("a", "expected"),
     [
         (-0.01, [0.01, 2.157e-3, 2.837e-4, 1.412e-5]),
@@ -175,6 +188,46 @@ def test_two_rates_are_the_information_of_both(system):
     found = history(replace(given, outputs=(given.outputs[0], slow)), 0, 10)
     information = 1 / 100 + (np.floor(found.t) + 1) / 4 + (np.floor(found.t / 2.5) + 1) / 9
     assert found.deviations[:, 0] ** -2 == pytest.approx(information)
+
+
+def test_a_chain_of_integrators_is_driven_at_its_end(system):
+    """c' = w, b' = c, a' = b: variances q t⁵/20, q t³/3, q t of the open loop."""
+    given = system(
+        "states: [a, b, c]\ndynamics: {a: b, b: c, c: 0}\nmeasurements: {y: a}\n"
+        "noise: {R: 1, Q: {c: 2}, step: 0.01, P0_std: [1e-9, 1e-9, 1e-9]}\n"
+    )
+    opened = history(given, 0, 10).open_loop[-1] ** 2
+    assert opened == pytest.approx([2 * 1e5 / 20, 2 * 1e3 / 3, 20], rel=1e-12)
+
+
+def test_driving_noise_may_come_and_go_between_samples(system):
+    """x' = sin(50 t) w, a sample every 5 s: P = P0 + q ∫ sin²."""
+    given = system(
+        "states: [x]\nA: [[0]]\nG: [[sin(50*t)]]\ndisturbances: [w]\nmeasurements: {y: x}\n"
+        "noise: {R: 1, Q: {w: 2}, step: 5, P0_std: [1]}\n"
+    )
+    found = history(given, 0, 20)
+    assert found.open_loop[:, 0] ** 2 == pytest.approx(1 + found.t - np.sin(100 * found.t) / 100, rel=1e-13)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_units_of_states_and_of_noise_do_not_matter(system, seed):
+    """States in units 10^k: deviations change by 10^k, and by nothing else."""
+    random = np.random.default_rng(seed)
+    n = 4
+    A, H, G = random.normal(size=(n, n)) / 2, random.normal(size=(2, n)), np.diag(random.uniform(0, 1, n))
+    units = 10.0 ** random.integers(-8, 9, n)
+
+    def made(scale):
+        A_, H_ = A / scale * scale[:, None], H / scale
+        Q, P0 = np.diag(scale**2 * np.diag(G)), scale
+        return system(
+            f"states: [a, b, c, d]\nA: {A_.tolist()}\nH: {H_.tolist()}\n"
+            f"noise: {{R: 0.1, Q: {Q.tolist()}, P0_std: {P0.tolist()}, step: 0.2}}\n"
+        )
+
+    plain, scaled = history(made(np.ones(n)), 0, 5), history(made(units), 0, 5)
+    assert scaled.deviations / units == pytest.approx(plain.deviations, rel=1e-9)
 
 
 def test_correlated_outputs_are_whitened_together(system):

@@ -192,3 +192,10 @@ def test_a_filter_may_not_use_an_output_in_an_outage_of_the_truth(system):
     with pytest.raises(NotComputableError, match="a sample of y at 5"):
         both(replace(given, outputs=some), given, 0, 10)
     assert both(given, replace(given, outputs=some), 0, 10).samples == 5
+
+
+def test_both_start_at_the_same_time(system):
+    given = system(MEAN.format(R=1, step=1, sigma=2))
+    schedules = schedule_of(given, 0, 10), schedule_of(given, 5, 10)
+    with pytest.raises(NotComputableError, match="starts at 5, the true model at 0"):
+        mismatch_history(given, given, *schedules, forms_of(given))

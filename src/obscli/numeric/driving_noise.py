@@ -28,9 +28,10 @@ from obscli.numeric.program import Array, Program
 from obscli.numeric.rates import argument_derivatives
 
 
-#: Over a whole panel the integrand turns by no more than this: twice what Φ does, twice a panel's bound.
+#: By how much the integrand may turn or grow over a whole panel: twice what Φ and G do, at the most; and the
+#: error of one step, relative to its noise.
 _TURN: Final = 6.0
-_SMALL: Final = 1e-15
+_SMALL: Final = 1e-14
 _MOST_NODES: Final = 12
 
 

@@ -52,7 +52,7 @@ class Errors(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Followed:
+class Known:
     """What is known at a mark.
 
     Parameters
@@ -124,6 +124,11 @@ class Pair:
     def _check_samples(self) -> None:
         """Refuse a filter that wants samples that the truth does not have."""
         wanted, given = self.design.schedule, self.truth.schedule
+        if wanted.start != given.start:
+            raise NotComputableError(
+                f"the filter starts at {wanted.start:.6g}, the true model at {given.start:.6g}: P0 is that "
+                "of the start, give both the same (--from)"
+            )
         place, same = matched(given, wanted.t)
         has = (given.sampled[place] @ self._outputs.T > 0) & same[:, None]
         lacking = np.argwhere(wanted.sampled & ~has)
@@ -147,9 +152,7 @@ class Pair:
                     "expression, or give both models the same functions in the same order"
                 )
 
-    def follow(
-        self, errors: Errors, timeline: Timeline, marks: Flags, progress: Progress
-    ) -> Iterator[Followed]:
+    def follow(self, errors: Errors, timeline: Timeline, marks: Flags, progress: Progress) -> Iterator[Known]:
         """Run the filter on the errors, and yield what is known at the marks.
 
         Raises
@@ -171,7 +174,7 @@ class Pair:
                 if marks[own.first + k]:
                     refuse_infinite(timeline.t[own.first + k], root, errors.columns)
                     to_errors = self._to_errors(true, own, k)
-                    yield Followed(own.first + k, root, own.transition[k], to_errors, innovation)
+                    yield Known(own.first + k, root, own.transition[k], to_errors, innovation)
             root = own.transition[-1] @ root
             errors.move(self._onward(true, own))
 

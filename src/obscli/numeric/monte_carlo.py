@@ -24,7 +24,7 @@ from scipy.special import gammaincinv
 
 from obscli.model.system import System
 from obscli.numeric.errors import NotComputableError
-from obscli.numeric.joint_errors import Followed, Pair
+from obscli.numeric.joint_errors import Known, Pair
 from obscli.numeric.linear_forms import Forms
 from obscli.numeric.program import Array
 from obscli.numeric.progress import Progress, silent
@@ -144,7 +144,7 @@ class _Draws:
         return found
 
 
-def _recorded(known: Followed, rows: Array, draws: Array, outputs: int) -> _Recorded:
+def _recorded(known: Known, rows: Array, draws: Array, outputs: int) -> _Recorded:
     errors = known.error_transition @ draws
     root = known.filter_transition @ known.root
     forms = rows @ errors

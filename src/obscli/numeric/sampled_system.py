@@ -35,6 +35,9 @@ _PROBES: Final = 18
 #: An interval has at least so many panels: instants to record also where nothing is sampled.
 _FEWEST: Final = 64
 
+#: A panel holds no more samples than so many, or thereabouts: what is computed at all of them takes memory.
+_AT_ONCE: Final = 1000
+
 #: An edge of a panel moves to a sample that is nearer than this share of the panel.
 _NEAR: Final = 0.125
 
@@ -178,7 +181,8 @@ class SampledSystem:
 def timeline_of(systems: Sequence[SampledSystem], schedule: Schedule) -> Timeline:
     """Return panels on which all systems are resolved, and the instants of the schedule on them."""
     start, stop = schedule.start, schedule.stop
-    longest = min(*(one.longest() for one in systems), (stop - start) / _FEWEST)
+    fewest = max(_FEWEST, len(schedule.t) // _AT_ONCE)
+    longest = min(*(one.longest() for one in systems), (stop - start) / fewest)
     edges = _moved_to(schedule.t, edges_of(start, np.array([stop]), longest, _MOST_PANELS))
     effort = Effort(_STEP_ERROR, 2 * _MOST_PANELS)
     for one in systems:

@@ -20,6 +20,7 @@ M. S. Grewal, A. P. Andrews, Kalman Filtering (2008), 6.5 (square-root filters).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from scipy.linalg.lapack import dgeqrf, dtrtrs
@@ -77,4 +78,12 @@ def refuse_infinite(t: float, *roots: Array) -> None:
 def _triangle(rows: Array) -> Array:
     """Return R of the factorisation Q R, shape (n, n); rows (k, n), k ≥ n, are overwritten."""
     found, _, _, _ = dgeqrf(rows, overwrite_a=1)
-    return np.triu(found[: rows.shape[1]])
+    n = rows.shape[1]
+    upper: Array = found[:n] * _upper(n)
+    return upper
+
+
+@lru_cache(maxsize=16)
+def _upper(n: int) -> Array:
+    """Ones on and above the diagonal, shape (n, n)."""
+    return np.triu(np.ones((n, n)))
