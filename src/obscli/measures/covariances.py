@@ -78,9 +78,13 @@ def _schedule(subject: Subject, stop: float) -> Schedule:
     return schedule_of(subject.system, subject.start, stop, subject.step)
 
 
-def shares_at(subject: Subject, instants: Array) -> Array:
-    """Return 1 − σ⁺/σ⁻ of the targets at instants; not a number where nothing is uncertain."""
-    return shares(covariances(subject, instants))
+def sampled_instants(subject: Subject, most: int) -> Array:
+    """Return instants up to that of the subject at which something is sampled, no more than so many."""
+    t = _schedule(subject, subject.at).t
+    t = t[t <= subject.at]
+    chosen = np.unique(np.round(np.linspace(0, len(t) - 1, min(most, len(t)))).astype(int))
+    found: Array = t[chosen]
+    return found
 
 
 def shares(found: Covariances) -> Array:
@@ -88,11 +92,6 @@ def shares(found: Covariances) -> Array:
     with np.errstate(invalid="ignore", divide="ignore"):
         part: Array = 1 - found.after / found.open_loop
     return np.where(found.open_loop > 0, part, np.nan)
-
-
-def deviations_at(subject: Subject, instants: Array) -> Array:
-    """Return σ⁺ of the targets at instants."""
-    return covariances(subject, instants).after
 
 
 def bounds_at(subject: Subject, instants: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -12,7 +12,7 @@ from obscli.exact.analysis import analyze
 from obscli.exact.finding import Analysis, LinearFormVerdict, Undecided
 from obscli.exact.why import LIGHT
 from obscli.measures.catalogue import BY_KEY, MEASURES
-from obscli.measures.covariances import bounds_at, deviations_at, shares_at
+from obscli.measures.covariances import bounds_at, covariances, sampled_instants, shares
 from obscli.measures.measure import Found, Measure, Option
 from obscli.measures.subject import Subject, Target
 from obscli.measures.taking import in_units, ranked, reverses, take
@@ -36,13 +36,6 @@ from obscli.pipelines.request import Changes, MeasureScaling, MeasuresRequest, P
 
 #: Instants of a curve.
 _CURVE: Final = 200
-
-#: The measures from the noise that are drawn against time: functions of a subject and instants.
-DRAWN: Final[Mapping[str, Callable[[Subject, Array], Array]]] = {
-    "stochastic": shares_at,
-    "standard-deviation": deviations_at,
-    "cramer-rao": bounds_at,
-}
 
 #: Larger systems are not measured again in other units to see whether the ranking changes.
 _MOST_STATES: Final = 40
@@ -197,7 +190,7 @@ class _Stage:
             horizon=horizon,
             limits=(*_required(self._model, taken[-1]), *_held(taken[-1], thresholds)),
             reordered=tuple(self._reordered(taken[-1])),
-            curves=self._curves(taken[-1], horizon) if self._request.curves else None,
+            curves=self._curves(taken[-1]) if self._request.curves else None,
         )
 
     def _instants(self, horizon: Horizon) -> list[float]:
@@ -226,14 +219,22 @@ class _Stage:
                     if reverses(own, theirs):
                         yield Reordering(measure.key, tuple(own), tuple(theirs), other)
 
-    def _curves(self, taken: Taken, horizon: Horizon) -> Curves | None:
+    def _curves(self, taken: Taken) -> Curves | None:
         """Return the measures from the noise against time; None where there are none."""
-        drawn = [key for key in DRAWN if isinstance(taken.found.get(key), Found)]
-        if not drawn:
+        found = {key for key, one in taken.found.items() if isinstance(one, Found)}
+        values: dict[str, Array] = {}
+        if not found & {"stochastic", "standard-deviation", "cramer-rao"}:
             return None
         self._progress("measures against time")
-        t = np.linspace(horizon.start, taken.subject.at, self._request.numeric.samples or _CURVE)
-        return Curves(t, {key: DRAWN[key](taken.subject, t) for key in drawn})
+        t = sampled_instants(taken.subject, _CURVE)
+        if found & {"stochastic", "standard-deviation"}:
+            known = covariances(taken.subject, t)
+            values = {"stochastic": shares(known), "standard-deviation": known.after}
+            values = {key: value for key, value in values.items() if key in found}
+            values["open-loop"] = known.open_loop
+        if "cramer-rao" in found:
+            values["cramer-rao"] = bounds_at(taken.subject, t)
+        return Curves(t, values)
 
 
 def _other_scalings(system: System, own: MeasureScaling) -> Iterator[MeasureScaling]:

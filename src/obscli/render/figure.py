@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from contextlib import AbstractContextManager
 from io import StringIO
+from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast
 
@@ -27,6 +28,15 @@ STYLES: Final[dict[Emphasis, dict[str, Any]]] = {
     "limit": {"linestyle": ":", "linewidth": 1.4, "color": "black"},
     "one of many": {"linestyle": "-", "linewidth": 0.8, "color": "0.55"},
 }
+#: How several main curves of a panel are told apart: the line of each in turn.
+LINES: Final[tuple[dict[str, Any], ...]] = (
+    {},
+    {"linestyle": (0, (6, 2))},
+    {"linestyle": (0, (6, 2, 1, 2))},
+    {"linestyle": (0, (2, 1.5))},
+    {"color": "0.55", "linewidth": 2.0},
+    {"color": "0.55", "linewidth": 2.0, "linestyle": (0, (6, 2))},
+)
 MARKS: Final[dict[str, Any]] = {
     "linestyle": "none",
     "marker": "o",
@@ -150,8 +160,11 @@ def _label_abscissa(axes: list[Axes], label: str) -> None:
 def _draw(panel: Panel, axes: Axes) -> None:
     for mark in panel.marks:
         axes.axvline(mark, color="0.75", linewidth=0.8, linestyle=(0, (4, 4)))
+    line = cycle(LINES)
     for curve in panel.curves:
         style = STYLES[curve.emphasis] | (MARKS if curve.marked else {})
+        if curve.emphasis == "main" and not curve.marked:
+            style |= next(line)
         axes.plot(curve.x, curve.y, label=in_figure(curve.label), **style)
     if panel.logarithmic and any(value > 0 for curve in panel.curves for value in curve.y):
         axes.set_yscale("log")

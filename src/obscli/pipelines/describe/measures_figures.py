@@ -15,6 +15,12 @@ from obscli.pipelines.measures_result import Curves, MeasuresResult
 PANELS: Final = 8
 SHARES: Final = 6
 
+#: What a deviation is held against.
+BESIDE: Final[tuple[tuple[str, str, Emphasis], ...]] = (
+    ("open-loop", "without measurements", "one of many"),
+    ("cramer-rao", "Cramér–Rao bound", "reference"),
+)
+
 
 def measures_figures(results: Iterable[MeasuresResult]) -> Iterator[Figure]:
     """Yield the figures of every stage with noise."""
@@ -58,8 +64,9 @@ def _shares(curves: Curves, targets: Sequence[Target], group: Sequence[int]) -> 
 def _deviation(result: MeasuresResult, curves: Curves, target: Target, k: int) -> Panel:
     """Return the deviation of one target, with the bound and what is required."""
     lines = [_curve("filter", curves, "standard-deviation", k)]
-    if "cramer-rao" in curves.values and any(map(math.isfinite, curves.values["cramer-rao"][:, k])):
-        lines.append(_curve("Cramér–Rao bound", curves, "cramer-rao", k, "reference"))
+    for key, label, emphasis in BESIDE:
+        if key in curves.values and any(map(math.isfinite, curves.values[key][:, k])):
+            lines.append(_curve(label, curves, key, k, emphasis))
     ends = (float(curves.t[0]), float(curves.t[-1]))
     lines += [
         Curve("required", ends, (limit.limit, limit.limit), "limit")
