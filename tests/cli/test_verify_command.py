@@ -436,7 +436,7 @@ def test_json_has_a_row_for_each_check_with_its_evidence(here, put):
     assert {(row["model"], row["stage"]) for row in rows} == {("table", None)}
     assert [row["verdict"] for row in rows] == ["holds", "holds", "holds", "fails", "holds", "undecided"]
     assert [row["place"] for row in rows] == [
-        None, None, "table.yaml:7:11", "table.yaml:9:9", "table.yaml:11:16", "table.yaml:11:36",
+        None, None, "table.yaml:7:11", "table.yaml:9:9", "table.yaml:11:16", "table.yaml:11:49",
     ]  # fmt: skip
     wrong = rows[3]
     assert {"of", "corrected"} <= wrong["corrections"][0].keys()
