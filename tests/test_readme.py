@@ -22,7 +22,14 @@ import pytest
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
 # The pages, and how many commands each shows at least.
-PAGES = {"README.md": 13, "docs/verification.md": 5, "docs/calibration.md": 6, "docs/structure.md": 7, "docs/measures.md": 3}
+PAGES = {
+    "README.md": 13,
+    "docs/verification.md": 5,
+    "docs/calibration.md": 6,
+    "docs/structure.md": 7,
+    "docs/measures.md": 3,
+    "docs/simulation.md": 4,
+}
 CONSOLE = re.compile(r"```console\n(.*?)```", re.DOTALL)
 PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
 YAML = re.compile(r"```yaml\n(.*?)```", re.DOTALL)

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from pathlib import Path
 
 import pytest
 
@@ -324,3 +325,24 @@ def test_every_format_has_it(obscli):
         outcome = obscli("simulate", "reduced.yaml", *named)
         assert outcome.status == 0
         assert "the filter claims what it reaches" in outcome.out
+
+
+def keys(value, named):
+    """Yield every key of JSON values but those that are names of the file."""
+    if isinstance(value, list):
+        for item in value:
+            yield from keys(item, named)
+    if isinstance(value, dict):
+        for key, below in value.items():
+            if key not in named:
+                yield key
+            yield from keys(below, named)
+
+
+def test_every_field_of_the_json_is_explained(simulated):
+    page = (Path(__file__).parents[2] / "docs/simulation.md").read_text(encoding="utf-8")
+    [stage] = simulated("channel.yaml", "--filter", "reduced.yaml", "--runs", 2)
+    found = stage["simulate"]
+    named = {name for one in found["forms"] for name in (one["name"], *one["coefficients"])}
+
+    assert {key for key in keys(found, named) if f"`{key}`" not in page} == set()

@@ -54,15 +54,15 @@ class Blocks:
         """The number of states."""
         return int(self.transition.shape[-1])
 
-    def carrying(self, k: Counts, before: Array, moved: Array, held: Counts) -> Array:
-        """Return d_k of what is carried over panels k, (K, n), after ``held`` panels that erred partly alike.
+    def carrying(self, before: Array, moved: Array, held: Counts) -> Array:
+        """Return d_k of what is carried over every panel after ``held`` that erred partly alike, (B, n).
 
         Parameters
         ----------
-        before, moved : squared norms of the columns at the start and at the end of the panels, (K, n)
+        before, moved : squared norms of the columns at the start and at the end of the panels, (B, n)
         """
         alike = held[:, None] / 9
-        step = np.einsum("ki,kij->kj", before[:, self.moving], self.transition_error[k])
+        step = np.einsum("ki,kij->kj", before[:, self.moving], self.transition_error)
         carried: Array = self.rounding * (1 + 2 * alike + 1 / 9) * moved + (1 + 2 * alike) * step
         return carried
 
@@ -151,47 +151,45 @@ def _put_together(blocks: Blocks, which: Stretches) -> tuple[Array, Array]:
     roots = _triangle(np.concatenate([S @ P, begun[b]], axis=1))
     error = _congruent(ends_error[which.a], P) + begun_error[b]
     product = np.einsum("ki,kij->kj", _squares(S), P**2)
-    _add(error, blocks.rounding * (product + _squares(roots)))
+    _diagonal(error)[...] += blocks.rounding * (product + _squares(roots))
     return roots, error
 
 
 def _ends(blocks: Blocks, which: Stretches) -> tuple[Array, Array]:
-    """Return R and E of [e_j, c] at c, by j, going back from every c; shape (B + 1, n, n) each."""
-    n, points, starts = blocks.n, which.c[which.first], which.a[which.first]
-    d = _gathering(blocks, points, starts)
-    roots, error = np.zeros((2, len(blocks.edges), n, n))
-    R, A = np.zeros((2, len(points), n, n))
-    T = np.tile(np.eye(n), (len(points), 1, 1))
-    factored = np.zeros((len(points), n))
+    """Return R and E of [e_j, c] at c, by j, going back from every c; shape (B, n, n) each."""
+    n, starts, points = blocks.n, which.a[which.first], which.c[which.first]
+    roots, after = np.zeros((2, len(blocks.roots), n, n))
+    R, T = np.zeros((len(points), n, n)), np.tile(np.eye(n), (len(points), 1, 1))
     for step in range(int((points - starts).max())):
         g = np.flatnonzero(points - starts > step)
         j = points[g] - 1 - step
-        R[g] = _triangle(np.concatenate([blocks.roots[j] @ T[g], R[g]], axis=1))
-        A[g] += _congruent_diagonal(d[j], T[g])
-        factored[g] += blocks.rounding * _squares(R[g])
+        after[j] = T[g]
+        roots[j] = R[g] = _triangle(np.concatenate([blocks.roots[j] @ T[g], R[g]], axis=1))
         T[g] = blocks.transition[j] @ T[g]
-        roots[j], error[j] = R[g], A[g]
-        _add_at(error, j, np.einsum("kjj->kj", A[g]) + factored[g])
-    return roots, error
+    made = after.swapaxes(1, 2) @ (_gathering(blocks, starts, points)[:, :, None] * after)
+    diagonal = _diagonal(made)
+    diagonal += diagonal + blocks.rounding * _squares(roots)
+    for a, c in zip(starts.tolist(), points.tolist(), strict=True):
+        made[a:c] = made[a:c][::-1].cumsum(axis=0)[::-1]
+    return roots, made
 
 
-def _gathering(blocks: Blocks, points: Counts, starts: Counts) -> Array:
+def _gathering(blocks: Blocks, starts: Counts, points: Counts) -> Array:
     """Return d_k of panels before each point, gathered from the earliest start on, shape (B, n)."""
-    n = blocks.n
-    W = np.zeros((len(points), n, n))
-    d = blocks.own_error.copy()
+    before, moved = np.zeros((2, len(blocks.roots), blocks.n))
+    held = np.zeros(len(blocks.roots), dtype=int)
+    fresh = blocks.roots.swapaxes(1, 2) @ blocks.roots
+    W = np.zeros((len(points), blocks.n, blocks.n))
     for step in range(int((points - starts).max())):
         g = np.flatnonzero(points - starts > step)
         k = starts[g] + step
-        before = np.einsum("kjj->kj", W[g])
-        moved = _congruent(W[g], blocks.transition[k])
-        # the diagonal of a product of three is known to rounding of what it is summed from
-        least = n * EPS * np.einsum("ki,kij->kj", before, blocks.transition[k] ** 2)
-        d[k] += blocks.carrying(
-            k, before, np.maximum(np.einsum("kjj->kj", moved), least), np.full(len(k), step)
-        )
-        W[g] = moved + blocks.roots[k].swapaxes(1, 2) @ blocks.roots[k]
-    return d
+        before[k], held[k] = _diagonal(W[g]), step
+        W[g] = _congruent(W[g], blocks.transition[k])
+        moved[k] = _diagonal(W[g])
+        W[g] += fresh[k]
+    # the diagonal of a product of three is known to rounding of what it is summed from
+    least = blocks.n * EPS * np.einsum("ki,kij->kj", before, blocks.transition**2)
+    return blocks.own_error + blocks.carrying(before, np.maximum(moved, least), held)
 
 
 def _beginnings(blocks: Blocks, which: Stretches, ends: Array) -> tuple[Array, Array, Array]:
@@ -200,24 +198,45 @@ def _beginnings(blocks: Blocks, which: Stretches, ends: Array) -> tuple[Array, A
     E is that of all that is carried from c on, the ends of windows included.
     """
     n, points, stops = blocks.n, which.c[which.first], which.b[which.last]
-    roots, error = np.zeros((2, len(blocks.edges), n, n))
-    carry = np.tile(np.eye(n), (len(blocks.edges), 1, 1))
+    roots, carry, error = np.zeros((3, len(blocks.edges), n, n))
+    carry[...] = np.eye(n)
     R, E = np.zeros((2, len(points), n, n))
     P = np.tile(np.eye(n), (len(points), 1, 1))
-    for step in range(int((stops - points).max(initial=0))):
+    before, moved = np.zeros((2, len(blocks.roots), n))
+    for step in range(int((stops - points).max())):
         g = np.flatnonzero(stops - points > step)
         k = points[g] + step
-        earliest = which.a[np.searchsorted(which.b, k, side="right")]
-        before = _carried(ends[earliest], P[g]) + _squares(R[g])
-        P[g] = P[g] @ blocks.transition[k]
-        R_moved = R[g] @ blocks.transition[k]
-        moved = _carried(ends[earliest], P[g]) + _squares(R_moved)
-        R[g] = _triangle(np.concatenate([R_moved, blocks.roots[k]], axis=1))
+        before[k] = _squares(R[g])
+        R_moved, P[g] = R[g] @ blocks.transition[k], P[g] @ blocks.transition[k]
+        moved[k] = _squares(R_moved)
+        roots[k + 1] = R[g] = _triangle(np.concatenate([R_moved, blocks.roots[k]], axis=1))
+        carry[k + 1] = P[g]
+    d = _going_on(blocks, which, ends, carry, before, moved) + blocks.rounding * _squares(roots[1:])
+    for step in range(int((stops - points).max())):
+        g = np.flatnonzero(stops - points > step)
+        k = points[g] + step
         E[g] = _congruent(E[g], blocks.transition[k])
-        _add_at(E, g, blocks.own_error[k] + blocks.rounding * _squares(R[g]))
-        _add_at(E, g, blocks.carrying(k, before, moved, k - earliest))
-        roots[k + 1], carry[k + 1], error[k + 1] = R[g], P[g], E[g]
+        _diagonal(E)[g] += d[k]
+        error[k + 1] = E[g]
     return roots, carry, error
+
+
+def _going_on(
+    blocks: Blocks, which: Stretches, ends: Array, carry: Array, before: Array, moved: Array
+) -> Array:
+    """Return d_k of panels after each point, the end of the earliest window carried beside, shape (B, n).
+
+    Parameters
+    ----------
+    before, moved : squared norms of the columns of what began at the point, (B, n)
+    """
+    k = np.arange(len(blocks.roots))
+    earliest = which.a[np.minimum(np.searchsorted(which.b, k, side="right"), len(which.b) - 1)]
+    points = which.c[which.first]
+    start = np.where(np.isin(k, points), 0, k)  # nothing has begun at a point
+    S = ends[earliest]
+    before, moved = before + _carried(S, carry[start]), moved + _carried(S, carry[k + 1])
+    return blocks.own_error + blocks.carrying(before, moved, np.maximum(k - earliest, 0))
 
 
 def _carried(S: Array, P: Array) -> Array:
@@ -243,17 +262,7 @@ def _congruent(E: Array, T: Array) -> Array:
     return T.swapaxes(1, 2) @ E @ T
 
 
-def _congruent_diagonal(d: Array, T: Array) -> Array:
-    """Return Tᵀ diag(d) T."""
-    return T.swapaxes(1, 2) @ (d[:, :, None] * T)
-
-
-def _add(E: Array, diagonal: Array) -> None:
-    """Add to the diagonals of E (K, n, n)."""
-    np.einsum("kjj->kj", E)[...] += diagonal
-
-
-def _add_at(E: Array, at: Counts, diagonal: Array) -> None:
-    """Add to the diagonals of some of E, each named once."""
-    j = np.arange(E.shape[-1])
-    E[at[:, None], j, j] += diagonal
+def _diagonal(E: Array) -> Array:
+    """Return the diagonals of (K, n, n) as a view, shape (K, n)."""
+    view: Array = np.einsum("kjj->kj", E)
+    return view

@@ -74,11 +74,12 @@ def _blocks(result: SimulateResult, *, explains: bool, first: bool) -> Iterator[
         yield Note("warning", plain(_interrupted(found)))
     yield from _sampling_blocks(found)
     yield from _tables(result, found, explains=explains)
-    yield Details(tuple(_course_blocks(found)))
+    yield Details(tuple(_course_blocks(result, found)))
     if found.mismatch is not None:
         yield from mismatch_blocks(found.mismatch)
     if found.monte_carlo is not None:
-        yield from runs_blocks(found.monte_carlo, mismatched=found.mismatch is not None)
+        formulas = {form.name: _name(form, result) for form in found.forms}
+        yield from runs_blocks(found.monte_carlo, formulas, mismatched=found.mismatch is not None)
     yield from _verdict_blocks(found)
 
 
@@ -195,14 +196,14 @@ def _name(form: FollowedForm, result: SimulateResult) -> Cell:
     return line(Text(form.name, "name"))
 
 
-def _course_blocks(found: Simulation) -> Iterator[Block]:
+def _course_blocks(result: SimulateResult, found: Simulation) -> Iterator[Block]:
     """Yield the deviations of all forms at some instants."""
     t = found.history.t
     chosen = sorted({round(k * (len(t) - 1) / (SHOWN - 1)) for k in range(SHOWN)})
     columns = (Column("σ at", breaks=True), *(Column(number(float(t[k])), "right") for k in chosen))
     rows = tuple(
         (
-            line(Text(form.name, "name")),
+            _name(form, result),
             *(line(Text(short(float(found.history.deviations[k, j]), 3))) for k in chosen),
         )
         for j, form in enumerate(found.forms)

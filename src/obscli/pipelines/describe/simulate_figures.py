@@ -23,6 +23,9 @@ CURVES: Final = 3
 PANELS: Final = 4
 STYLES: Final[tuple[Emphasis, ...]] = ("main", "one of many")
 
+#: What varies by less is no matter of scale.
+FLAT: Final = 1.02
+
 #: Marks of the third curve; relative difference up to which curves are drawn as one; letters of a title.
 MARKS: Final = 25
 ALIKE: Final = 1e-3
@@ -93,7 +96,14 @@ def _panel(found: Simulation, indices: Sequence[int], required: Mapping[str, flo
     curves += [Curve("required", ends, (limit, limit), "limit") for limit in limits]
     title = ", ".join(names)
     title = title if len(title) <= LONGEST else f"{title[:LONGEST]} …"
-    return Panel(title, _label(found.forms[indices[0]].unit), tuple(curves), logarithmic=True)
+    unit = found.forms[indices[0]].unit
+    return Panel(title, _label(unit), tuple(curves), logarithmic=_varies(curves))
+
+
+def _varies(curves: Sequence[Curve]) -> bool:
+    """Whether a logarithmic scale shows more than the last digits of one number."""
+    values = [value for curve in curves for value in curve.y]
+    return bool(values) and max(values) > FLAT * min(values)
 
 
 def _label(unit: str) -> str:

@@ -8,7 +8,7 @@ of NIS, whose innovations are independent where the filter is right, by that ban
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -27,7 +27,8 @@ from obscli.core.document import (
 )
 from obscli.core.number import counted, short
 from obscli.core.number import plain as number
-from obscli.pipelines.describe.words import names, ratio
+from obscli.pipelines.describe.words import names as listed
+from obscli.pipelines.describe.words import ratio
 from obscli.pipelines.simulate_result import Demand, Mismatch
 
 
@@ -100,13 +101,13 @@ def demanded(demands: Iterable[Demand], name: str) -> tuple[Cell, Cell]:
     return line(Text(short(own.limit, 3))), line(met)
 
 
-def runs_blocks(found: MonteCarlo, *, mismatched: bool) -> Iterator[Block]:
-    """Yield how the errors of the random runs spread against what the filter claims."""
+def runs_blocks(found: MonteCarlo, names: Mapping[str, Cell], *, mismatched: bool) -> Iterator[Block]:
+    """Yield how the errors of the random runs spread against what the filter claims; ``names``: as set."""
     whose = " of the filter on the truth" if mismatched else ""
     yield Heading(2, plain(f"{counted(found.runs, 'random run')}{whose} (seed {found.seed})"))
     rows = tuple(
         (
-            line(Text(name, "name")),
+            names.get(name) or line(Text(name, "name")),
             line(Text(short(float(claimed), 3))),
             line(Text(short(float(rms), 3))),
             line(Text(ratio(float(rms / claimed)) if claimed > 0 else "–")),
@@ -186,7 +187,7 @@ def mismatch_blocks(one: Mismatch) -> Iterator[Block]:
     )
     yield Table(columns, rows, (Text(MISMATCH_LEGEND, "faint"),), folds=True)
     if one.history.ignored:
-        yield Paragraph((Text("The filter leaves out "), *names(one.history.ignored), Text(".")))
+        yield Paragraph((Text("The filter leaves out "), *listed(one.history.ignored), Text(".")))
     yield _mismatch_verdict(one)
 
 
