@@ -68,9 +68,9 @@ class Stationary:
     Parameters
     ----------
     functions : of time in A(t), H(t), closed under differentiation
-    full : the number of variables of the Kronecker lift, (13) or (17); None: the states that move do not move by
+    full : the Kronecker lift, (13) or (17); None: the states that move do not move by
         a constant matrix among themselves, so that there is none
-    smallest : the moving states and what acts on them or is seen of the others, closed under differentiation
+    smallest : the moving states, and what acts on them or is seen of the others, closed under d/dt
     observable : the outputs alone, closed: as many variables as it takes
     same_order : as many variables as states, and a change of variables x = T(t) z; None: none found
     rank : of the observability matrix of the smallest lift, over the constants
