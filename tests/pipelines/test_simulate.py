@@ -10,7 +10,7 @@ from obscli.model.reader import load, read_text
 from obscli.numeric.simulation_finding import Consistency
 from obscli.pipelines.describe.simulate_runs import judged
 from obscli.pipelines.request import Changes, RequestError, SimulateRequest
-from obscli.pipelines.simulate import followed_forms
+from obscli.pipelines.simulate_followed import followed_forms
 
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -110,3 +110,28 @@ def test_the_assumed_step_and_the_default_interval_are_told():
     assert result.found.assumed_step == pytest.approx((result.found.stop - result.found.start) / 400)
     [given] = simulate(read_text(text, "dense.yaml"), request=SimulateRequest(step=0.5)).results
     assert given.found.assumed_step is None
+
+
+@pytest.mark.parametrize(("part", "kept"), [("filter", 0), ("mismatch", 1), ("runs", 2)])
+def test_an_interrupt_keeps_all_parts_before_it(part, kept, monkeypatch):
+    """Whichever part Ctrl-C ends before its first instant, what came before it is reported."""
+    names = {"filter": "covariance_history", "mismatch": "mismatch_history", "runs": "monte_carlo"}
+
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    model = read_text(VECTORS, "vectors.yaml")
+    monkeypatch.setattr(f"obscli.pipelines.simulate.{names[part]}", interrupted)
+    if not kept:
+        with pytest.raises(KeyboardInterrupt):
+            simulate(model)
+        return
+    report = simulate(model, request=SimulateRequest(runs=3), design=model)
+    [result] = report.results
+
+    assert report.interrupted
+    assert result.interrupted
+    assert result.found.history.complete
+    assert (result.found.mismatch is not None) is (kept == 2)
+    assert result.found.monte_carlo is None
+    assert any("interrupted" in str(block) for block in report.document().blocks)

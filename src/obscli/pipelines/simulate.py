@@ -5,18 +5,9 @@ Importing this costs the floating-point libraries.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
-import numpy as np
-
-from obscli.exact.analysis import analyze
-from obscli.exact.finding import Analysis, LinearFormVerdict, Undecided
-from obscli.exact.why import LIGHT
-from obscli.model.expression import ONE, is_one, symbols
-from obscli.model.notation import covector_text
-from obscli.model.specialise import at_nominal
-from obscli.model.system import Covector, Model, Requirement, System
+from obscli.model.system import Model, System
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.horizon import Horizon, horizon_of
@@ -24,24 +15,17 @@ from obscli.numeric.kalman import covariance_history
 from obscli.numeric.linear_forms import forms_of
 from obscli.numeric.mismatched import mismatch_history
 from obscli.numeric.monte_carlo import monte_carlo
-from obscli.numeric.numeric_system import NumericSystem, constants_of
-from obscli.numeric.program import constant_value
+from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.schedule import Schedule, schedule_of
-from obscli.numeric.simulation_finding import Followed, MonteCarlo
+from obscli.numeric.simulation_finding import MonteCarlo
 from obscli.numeric.time_to_observability import times_to_observability
 from obscli.pipelines.numerical import settings_of
 from obscli.pipelines.reading import chosen_systems, unknown
 from obscli.pipelines.request import Changes, Progress, RequestError, SimulateRequest, silent
+from obscli.pipelines.simulate_followed import demands_of, followed_forms, sampling_of
 from obscli.pipelines.simulate_needs import lacking
 from obscli.pipelines.simulate_report import SimulateReport
-from obscli.pipelines.simulate_result import (
-    Demand,
-    FollowedForm,
-    Mismatch,
-    Sampling,
-    SimulateResult,
-    Simulation,
-)
+from obscli.pipelines.simulate_result import Demand, Mismatch, SimulateResult, Simulation
 
 
 def simulate(
@@ -119,19 +103,22 @@ class _Stage:
         self._progress: Progress = lambda step: progress(f"{name}: {step}")
 
     def simulated(self, design: Model | None, other: System | None) -> SimulateResult:
-        """Return what is found, or what is lacking."""
+        """Return what is found, or what is lacking; an interrupt keeps what is done."""
         try:
             found = self._filtered()
-            if found.history.complete and design is not None and other is not None:
-                found = self._mismatched(found, design, other)
-            mismatch = found.mismatch
-            if found.history.complete and (mismatch is None or mismatch.history.complete):
-                found = replace(found, monte_carlo=self._runs(found, other))
+            interrupted = False
+            try:
+                if found.history.complete and design is not None and other is not None:
+                    found = self._mismatched(found, design, other)
+                if _is_complete(found) and self._request.runs:
+                    found = replace(found, monte_carlo=self._runs(found, other))
+            except KeyboardInterrupt:
+                interrupted = True
         except UnfitRequestError as error:
             raise RequestError(f"{self._model.file}: {error}") from error
         except NotComputableError as error:
             return SimulateResult(self._model, self._system, NotComputed(str(error)))
-        return SimulateResult(self._model, self._system, found, interrupted=not _is_complete(found))
+        return SimulateResult(self._model, self._system, found, interrupted or not _is_complete(found))
 
     def _horizon(self, system: System) -> Horizon:
         return horizon_of(system, settings_of(system, self._request.numeric).wanted)
@@ -153,7 +140,7 @@ class _Stage:
         )
         if not len(history.t):
             raise KeyboardInterrupt
-        demands = _demands(system, self._model.require)
+        demands = demands_of(system, self._model.require)
         motion = NumericSystem(system, horizon.start, horizon.stop).motion
         end = dict(zip(history.names, history.deviations[-1], strict=True))
         return Simulation(
@@ -186,19 +173,18 @@ class _Stage:
             self._progress,
         )
         if not len(history.t):
-            return found
+            raise KeyboardInterrupt
         end = dict(zip(history.names, history.true[-1], strict=True))
         demands = tuple(
             Demand(one.name, one.limit, float(end[one.name])) for one in found.demands if one.name in end
         )
         return replace(found, mismatch=Mismatch(design, other, history, demands))
 
-    def _runs(self, found: Simulation, other: System | None) -> MonteCarlo | None:
-        if not self._request.runs:
-            return None
+    def _runs(self, found: Simulation, other: System | None) -> MonteCarlo:
+        """Return the runs with random errors, of the filter on its own model or on the truth."""
         horizon = self._horizon(self._system)
         combinations = [(one.name, one.coefficients) for one in found.forms if one.kind == "combination"]
-        return monte_carlo(
+        runs = monte_carlo(
             self._system,
             self._schedule(self._system, horizon),
             forms_of(self._system, combinations) if other is None else forms_of(other),
@@ -209,6 +195,9 @@ class _Stage:
             filter_=other,
             filter_schedule=None if other is None else self._schedule(other, horizon),
         )
+        if not len(runs.t):
+            raise KeyboardInterrupt
+        return runs
 
 
 def _is_complete(found: Simulation) -> bool:
@@ -224,85 +213,3 @@ def _refuse_lacking(system: System, whose: str = "") -> None:
     lack = lacking(system)
     if lack:
         raise NotComputableError(whose + lack)
-
-
-def followed_forms(system: System) -> tuple[tuple[FollowedForm, ...], str]:
-    """Return states, quantities and observable combinations with verdicts at the file's values.
-
-    Combinations that are single states are not repeated. The text says why there are no verdicts.
-    """
-    found = _at_values(system)
-    verdicts: dict[str, LinearFormVerdict] = {}
-    combinations: tuple[Covector, ...] = ()
-    if isinstance(found, Analysis):
-        verdicts = {**found.states, **{one.name: one.verdict for one in found.quantities}}
-        combinations = tuple(one.coefficients for one in found.combinations)
-    units = {one.name: one.unit for one in system.states}
-    states = (
-        FollowedForm(one.name, "state", one.unit, {one.name: ONE}, verdicts.get(one.name))
-        for one in system.states
-    )
-    others: list[tuple[str, Followed, Covector]] = [
-        *((one.name, "quantity", one.coefficients) for one in system.quantities),
-        *(
-            (covector_text(one, system.state_names), "combination", one)
-            for one in combinations
-            if len(one) > 1
-        ),
-    ]
-    rest = (
-        FollowedForm(
-            name,
-            kind,
-            _unit(covector, units),
-            covector,
-            verdicts.get(name) if kind == "quantity" else "observable",
-        )
-        for name, kind, covector in others
-    )
-    return (*states, *rest), found.reason if isinstance(found, Undecided) else ""
-
-
-def _at_values(system: System) -> Analysis | Undecided:
-    """Return the exact analysis where it has the rank of the file's values."""
-    found = analyze(system, LIGHT)
-    if isinstance(found, Undecided) or found.at_values.rank == found.rank:
-        return found
-    return analyze(at_nominal(system).system(), LIGHT)
-
-
-def _unit(covector: Covector, units: dict[str, str]) -> str:
-    """Return the unit of a state that is itself the form; of other forms the file gives none."""
-    one = len(covector) == 1 and all(is_one(value) for value in covector.values())
-    return units[next(iter(covector))] if one else ""
-
-
-def sampling_of(system: System, schedule: Schedule) -> tuple[Sampling, ...]:
-    """Return when each output is sampled, and where it is not for longer than usual."""
-    found = []
-    for k, output in enumerate(system.outputs):
-        t = schedule.t[schedule.sampled[:, k]]
-        gaps = np.diff(t)
-        every = float(gaps.min()) if len(gaps) else None
-        edges = np.concatenate([[schedule.start], t, [schedule.stop]])
-        long = np.diff(edges) > (1.5 * every if every is not None else 0.0)
-        outages = tuple((float(edges[j]), float(edges[j + 1])) for j in np.flatnonzero(long))
-        found.append(Sampling(output.name, len(t), every, outages))
-    return tuple(found)
-
-
-def _demands(system: System, requirements: Iterable[Requirement]) -> dict[str, float]:
-    """Return the deviations that the file requires of the system's states and quantities, by name."""
-    names = {*system.state_names, *(one.name for one in system.quantities)}
-    constants = constants_of(system)
-    found = {}
-    for one in requirements:
-        if one.name not in names:
-            continue
-        without_value = sorted(symbols(one.value) - constants.keys())
-        if without_value:
-            raise NotComputableError(
-                f"`require` of {one.name} depends on {', '.join(without_value)}: give a value with --set"
-            )
-        found[one.name] = constant_value(one.value, constants)
-    return found

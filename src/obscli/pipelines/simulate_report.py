@@ -10,7 +10,8 @@ from obscli.core.figure import Figure
 from obscli.numeric.finding import NotComputed
 from obscli.pipelines.describe.simulate import simulate_document
 from obscli.pipelines.request import Changes
-from obscli.pipelines.simulate_data import history_columns, history_data, simulate_data
+from obscli.pipelines.simulate_columns import history_columns
+from obscli.pipelines.simulate_data import history_data, simulate_data
 from obscli.pipelines.simulate_result import SimulateResult
 
 

@@ -1,0 +1,106 @@
+"""What a simulation follows in one stage: linear forms with verdicts, samples of outputs, requirements.
+
+Importing this costs the floating-point libraries.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from obscli.exact.analysis import analyze
+from obscli.exact.finding import Analysis, LinearFormVerdict, Undecided
+from obscli.exact.why import LIGHT
+from obscli.model.expression import ONE, is_one, symbols
+from obscli.model.notation import covector_text
+from obscli.model.specialise import at_nominal
+from obscli.model.system import Covector, Requirement, System
+from obscli.numeric.errors import NotComputableError
+from obscli.numeric.numeric_system import constants_of
+from obscli.numeric.program import constant_value
+from obscli.numeric.schedule import Schedule
+from obscli.numeric.simulation_finding import Followed
+from obscli.pipelines.simulate_result import FollowedForm, Sampling
+
+
+def followed_forms(system: System) -> tuple[tuple[FollowedForm, ...], str]:
+    """Return states, quantities and observable combinations with verdicts at the file's values.
+
+    Combinations that are single states are not repeated. The text says why there are no verdicts.
+    """
+    found = _at_values(system)
+    verdicts: dict[str, LinearFormVerdict] = {}
+    combinations: tuple[Covector, ...] = ()
+    if isinstance(found, Analysis):
+        verdicts = {**found.states, **{one.name: one.verdict for one in found.quantities}}
+        combinations = tuple(one.coefficients for one in found.combinations)
+    units = {one.name: one.unit for one in system.states}
+    states = (
+        FollowedForm(one.name, "state", one.unit, {one.name: ONE}, verdicts.get(one.name))
+        for one in system.states
+    )
+    others: list[tuple[str, Followed, Covector]] = [
+        *((one.name, "quantity", one.coefficients) for one in system.quantities),
+        *(
+            (covector_text(one, system.state_names), "combination", one)
+            for one in combinations
+            if len(one) > 1
+        ),
+    ]
+    rest = (
+        FollowedForm(
+            name,
+            kind,
+            _unit(covector, units),
+            covector,
+            verdicts.get(name) if kind == "quantity" else "observable",
+        )
+        for name, kind, covector in others
+    )
+    return (*states, *rest), found.reason if isinstance(found, Undecided) else ""
+
+
+def _at_values(system: System) -> Analysis | Undecided:
+    """Return the exact analysis where it has the rank of the file's values."""
+    found = analyze(system, LIGHT)
+    if isinstance(found, Undecided) or found.at_values.rank == found.rank:
+        return found
+    return analyze(at_nominal(system).system(), LIGHT)
+
+
+def _unit(covector: Covector, units: dict[str, str]) -> str:
+    """Return the unit of a state that is itself the form; of other forms the file gives none."""
+    one = len(covector) == 1 and all(is_one(value) for value in covector.values())
+    return units[next(iter(covector))] if one else ""
+
+
+def sampling_of(system: System, schedule: Schedule) -> tuple[Sampling, ...]:
+    """Return when each output is sampled, and where it is not for longer than usual."""
+    found = []
+    for k, output in enumerate(system.outputs):
+        t = schedule.t[schedule.sampled[:, k]]
+        gaps = np.diff(t)
+        every = float(gaps.min()) if len(gaps) else None
+        edges = np.concatenate([[schedule.start], t, [schedule.stop]])
+        long = np.diff(edges) > (1.5 * every if every is not None else 0.0)
+        outages = tuple((float(edges[j]), float(edges[j + 1])) for j in np.flatnonzero(long))
+        found.append(Sampling(output.name, len(t), every, outages))
+    return tuple(found)
+
+
+def demands_of(system: System, requirements: Iterable[Requirement]) -> dict[str, float]:
+    """Return the deviations that the file requires of the system's states and quantities, by name."""
+    names = {*system.state_names, *(one.name for one in system.quantities)}
+    constants = constants_of(system)
+    found = {}
+    for one in requirements:
+        if one.name not in names:
+            continue
+        without_value = sorted(symbols(one.value) - constants.keys())
+        if without_value:
+            raise NotComputableError(
+                f"`require` of {one.name} depends on {', '.join(without_value)}: give a value with --set"
+            )
+        found[one.name] = constant_value(one.value, constants)
+    return found
