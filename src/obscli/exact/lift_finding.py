@@ -53,7 +53,7 @@ class Lift:
 class Chain:
     """ζ_1, ζ_2, … from one output: ζ_1 is the output, ζ_k' = constant · ζ_(k+1) plus what was seen before.
 
-    ``output``: its name; ``forms``: ζ_k in the states; ``before``: of each derivative what is left out, by the
+    full : the Kronecker lift, (13) or (17); None: the moving states do not move by a constant matrix among
     places (output, k) of earlier ones.
     """
 
