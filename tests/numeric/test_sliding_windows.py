@@ -6,8 +6,8 @@ import pytest
 from obscli.numeric import sliding_windows
 from obscli.numeric.errors import UnfitRequestError
 from obscli.numeric.scaling import scaled
-from obscli.numeric.sliding_root import stretches
 from obscli.numeric.sliding_windows import Windows, even_windows, slide
+from obscli.numeric.stretches import stretches
 from obscli.numeric.subspace import subspaces
 
 
@@ -90,19 +90,27 @@ def test_random_windows_show_the_rank_and_the_kernel_they_show_alone(known, syst
         ).all()
 
 
-@pytest.mark.parametrize("placed", [(0, 12, 3, 0.75), (0, 12, 1.5, 0.75), (0, 9, 6, 0.25)])
-def test_the_bound_is_that_of_a_window_alone(system, gramian, placed):
-    """On the same panels sharing makes the bound wider, by a third of a decimal digit, and never narrower."""
-    given, windows = system(TURNING), even_windows(*placed)
+@pytest.mark.parametrize(
+    ("text", "placed", "wider"),
+    [
+        (TURNING, (0, 12, 3, 0.75), 2),
+        (TURNING, (0, 12, 1.5, 0.75), 2),
+        (TURNING, (0, 9, 6, 0.25), 10),
+        (DECAYING, (0, 10, 2, 0.5), 2),
+        (DECAYING, (0, 10, 6, 0.25), 5),
+    ],
+)
+def test_the_bound_is_that_of_a_window_alone(system, gramian, text, placed, wider):
+    """Sharing makes the bound wider, little on the same panels, some on more panels, and never narrower."""
+    given, windows = system(text), even_windows(*placed)
     shared = all_at_once(given, windows)
     for i in range(len(windows.starts)):
         alone = gramian(given, [windows.stops[i]], start=windows.starts[i])
         alone = alone.in_units(1 / alone.units)
         _, _, right = np.linalg.svd(alone.matrices[0])
-        for v in (*right, *np.eye(4)):
+        for v in (*right, *np.eye(given.n)):
             narrow, wide = (np.sqrt(v @ one @ v) for one in (alone.error[0], shared.error[i]))
-            assert 0.9 * narrow <= wide
-            assert wide <= 2 * narrow or placed[3] < 0.75
+            assert 0.9 * narrow <= wide <= wider * narrow
 
 
 def test_all_windows_of_a_time_invariant_system_are_alike(system, matrices):
@@ -168,13 +176,14 @@ def test_portions_do_not_change_what_is_found(system, monkeypatch, chunk):
 
 @pytest.mark.parametrize("length", [1, 2, 3, 7])
 @pytest.mark.parametrize("step", [1, 2, 5])
-def test_no_panel_is_walked_twice_in_either_direction(length, step):
+@pytest.mark.parametrize("reach", [1, 2, 100])
+def test_no_panel_is_walked_twice_where_nothing_limits_the_points(length, step, reach):
     a = step * np.arange(30)
-    which = stretches(a, a + length)
-    assert ((which.a <= which.c) & (which.c <= which.b)).all()
-    points = which.c[which.first]
-    assert (which.a[which.first][1:] >= points[:-1]).all()
-    assert (which.b[which.last][:-1] <= points[1:]).all()
+    which = stretches(a, a + length, a + reach)
+    c = which.points[which.group]
+    assert ((which.a < c) & (c <= which.b) & (c <= which.a[which.first][which.group] + reach)).all()
+    assert (which.starts[1:] >= which.points[:-1]).all()
+    assert reach < length or (which.stops[:-1] <= which.points[1:]).all()
 
 
 @pytest.mark.parametrize(

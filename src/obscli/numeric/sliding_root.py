@@ -4,19 +4,20 @@ Over a panel [e_k, e_k+1] with root R_k and transition Φ_k, over [a, c] and [c,
 
     W(b, a) = Rᵀ R,    R = qr [R_ac Φ(c, b); R_cb],    Φ(a, b) = Φ(a, c) Φ(c, b)
 
-is associative, so a window [a, b] is the end of a stretch before a point c and the beginning of one after
-it. Windows in order share c until one starts behind it (the queue of two stacks): all ends of [·, c] are
-found going back from c, all beginnings of [c, ·] going on from it, each panel once, all c side by side.
+is associative, so a window [a, b] is the end of a stretch before a point c and the beginning of one after it
+(``stretches``). All ends of [·, c] are found going back from c, all beginnings of [c, ·] going on from it,
+all points side by side.
 
 The error, |ΔR v|² ≲ vᵀ E v, obeys the law of ``square_root``: a panel adds rounding, step and coefficients
 relative to the columns of what the window has gathered up to there, diag(d_k), carried on as Φᵀ E Φ. These
-columns are taken from the earliest window that holds the panel, whose information is the largest. Products
-Φ(c, b) formed by themselves are rounded relative to their entries, which adds diag(E) where they are used.
+columns are taken from the earliest window at the point that holds the panel, whose information is the
+largest. Products Φ(c, b) formed by themselves are rounded relative to their entries, which adds diag(E) where
+they are used.
 
 References
 ----------
 K. Tangwongsan, M. Hirzel, S. Schneider (2017), Low-latency sliding-window aggregation in worst-case constant
-time, 2 (queue of two stacks).
+time (the queue of two stacks).
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from obscli.numeric.gramian import LOST, Gramian, squared_rounding
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import EPS, Array, Counts
 from obscli.numeric.settings import Effort
+from obscli.numeric.stretches import Stretches, stretches
 from obscli.numeric.transition import panels
 
 
@@ -54,59 +56,30 @@ class Blocks:
         """The number of states."""
         return int(self.transition.shape[-1])
 
-    def carrying(self, before: Array, moved: Array, held: Counts) -> Array:
-        """Return d_k of what is carried over every panel after ``held`` that erred partly alike, (B, n).
+    def carrying(self, k: Counts, before: Array, moved: Array, held: Counts) -> Array:
+        """Return d_k of what is carried over panels k, (K, n), after ``held`` panels that erred partly alike.
 
         Parameters
         ----------
-        before, moved : squared norms of the columns at the start and at the end of the panels, (B, n)
+        before, moved : squared norms of the columns at the start and at the end of the panels, (K, n)
         """
         alike = held[:, None] / 9
-        step = np.einsum("ki,kij->kj", before[:, self.moving], self.transition_error)
+        step = np.einsum("ki,kij->kj", before[:, self.moving], self.transition_error[k])
         carried: Array = self.rounding * (1 + 2 * alike + 1 / 9) * moved + (1 + 2 * alike) * step
         return carried
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Stretches:
-    """Windows [a_i, b_i] as numbers of edges in order, and the point c_i that each is put together at.
-
-    All of shape (N,); ``first``, ``last``: the first and the last window at each of the G points, shape (G,).
-    """
-
-    a: Counts
-    b: Counts
-    c: Counts
-    first: Counts
-    last: Counts
-
-
-def stretches(a: Counts, b: Counts) -> Stretches:
-    """Return the points at which windows are put together: the end of the first that starts behind the last.
-
-    Parameters
-    ----------
-    a, b : edges of the windows, a < b, neither ever decreasing, shape (N,)
-    """
-    c = np.empty_like(b)
-    point = -1
-    for i, (start, stop) in enumerate(zip(a.tolist(), b.tolist(), strict=True)):
-        if start >= point:
-            point = stop
-        c[i] = point
-    _, first = np.unique(c, return_index=True)
-    return Stretches(a, b, c, first, np.append(first[1:], len(c)) - 1)
-
-
 def sliding_gramians(
-    system: NumericSystem, edges: Array, starts: Array, stops: Array, effort: Effort
+    system: NumericSystem, edges: Array, windows: tuple[Array, Array], reach: float, effort: Effort
 ) -> Gramian:
     """Return R(t_i) for W(t_i, s_i) of all windows; R = 0 with error ``LOST`` where columns grow too far.
 
     Parameters
     ----------
     edges : of the panels, among them all s_i and t_i, shape (B + 1,)
-    starts, stops : s_i < t_i, neither ever decreasing, shape (N,)
+    windows : s_i and t_i > s_i, neither ever decreasing, shape (N,) each
+    reach : how long a window may start before the point it is put together at: where modes decay, the shared
+        bound is wider than that of a window alone by their growth backwards over that time
     effort : step error allowed, relative to each entry of A Φ, and how many steps
 
     Raises
@@ -116,10 +89,12 @@ def sliding_gramians(
     """
     with np.errstate(all="ignore"):  # where squares are too large all is lost
         blocks = _blocks(system, edges, effort)
-        which = stretches(np.searchsorted(blocks.edges, starts), np.searchsorted(blocks.edges, stops))
-        roots, error = _put_together(blocks, which)
+        a, b = (np.searchsorted(blocks.edges, one) for one in windows)
+        farthest = np.searchsorted(blocks.edges, blocks.edges[a] + reach, side="right") - 1
+        roots, error = _put_together(blocks, stretches(a, b, np.maximum(farthest, a + 1)))
     lost = ~(np.isfinite(error).all(axis=(1, 2)) & np.isfinite(roots).all(axis=(1, 2)))
     roots[lost], error[lost] = 0.0, LOST * np.eye(system.n)
+    starts, stops = windows
     units, growth = np.ones((len(stops), system.n)), np.zeros(len(stops))
     return Gramian("square-root", stops, starts, roots, units, error, growth)
 
@@ -145,11 +120,10 @@ def _blocks(system: NumericSystem, edges: Array, effort: Effort) -> Blocks:
 def _put_together(blocks: Blocks, which: Stretches) -> tuple[Array, Array]:
     """Return R and E of all windows, shape (N, n, n) each."""
     ends, ends_error = _ends(blocks, which)
-    begun, carry, begun_error = _beginnings(blocks, which, ends)
-    b = np.where(which.b > which.c, which.b, 0)  # nothing begins at edge 0
-    S, P = ends[which.a], carry[b]
-    roots = _triangle(np.concatenate([S @ P, begun[b]], axis=1))
-    error = _congruent(ends_error[which.a], P) + begun_error[b]
+    begun, carry, begun_error, at = _beginnings(blocks, which, ends)
+    S, P = ends[which.a], carry[at]
+    roots = _triangle(np.concatenate([S @ P, begun[at]], axis=1))
+    error = _congruent(ends_error[which.a], P) + begun_error[at]
     product = np.einsum("ki,kij->kj", _squares(S), P**2)
     _diagonal(error)[...] += blocks.rounding * (product + _squares(roots))
     return roots, error
@@ -157,7 +131,7 @@ def _put_together(blocks: Blocks, which: Stretches) -> tuple[Array, Array]:
 
 def _ends(blocks: Blocks, which: Stretches) -> tuple[Array, Array]:
     """Return R and E of [e_j, c] at c, by j, going back from every c; shape (B, n, n) each."""
-    n, starts, points = blocks.n, which.a[which.first], which.c[which.first]
+    n, starts, points = blocks.n, which.starts, which.points
     roots, after = np.zeros((2, len(blocks.roots), n, n))
     R, T = np.zeros((len(points), n, n)), np.tile(np.eye(n), (len(points), 1, 1))
     for step in range(int((points - starts).max())):
@@ -189,54 +163,63 @@ def _gathering(blocks: Blocks, starts: Counts, points: Counts) -> Array:
         W[g] += fresh[k]
     # the diagonal of a product of three is known to rounding of what it is summed from
     least = blocks.n * EPS * np.einsum("ki,kij->kj", before, blocks.transition**2)
-    return blocks.own_error + blocks.carrying(before, np.maximum(moved, least), held)
+    every = np.arange(len(held))
+    return blocks.own_error + blocks.carrying(every, before, np.maximum(moved, least), held)
 
 
-def _beginnings(blocks: Blocks, which: Stretches, ends: Array) -> tuple[Array, Array, Array]:
-    """Return R, Φ and E of [c, e_k] at e_k, by k, going on from every c; shape (B + 1, n, n) each.
+def _beginnings(blocks: Blocks, which: Stretches, ends: Array) -> tuple[Array, Array, Array, Counts]:
+    """Return R, Φ and E of [c, e] at e, going on from every c to one edge e after the other, shape (L, n, n).
 
-    E is that of all that is carried from c on, the ends of windows included.
+    E is that of all that is carried from c on, the ends of windows included. The last of each is that of
+    [c, c]. Also returned: which of them each window takes, shape (N,).
     """
-    n, points, stops = blocks.n, which.c[which.first], which.b[which.last]
-    roots, carry, error = np.zeros((3, len(blocks.edges), n, n))
+    n, points, lengths = blocks.n, which.points, which.stops - which.points
+    offset = lengths.cumsum() - lengths
+    total = int(lengths.sum())
+    roots, carry, error = np.zeros((3, total + 1, n, n))
     carry[...] = np.eye(n)
+    before, moved = np.zeros((2, total, n))
     R, E = np.zeros((2, len(points), n, n))
     P = np.tile(np.eye(n), (len(points), 1, 1))
-    before, moved = np.zeros((2, len(blocks.roots), n))
-    for step in range(int((stops - points).max())):
-        g = np.flatnonzero(stops - points > step)
-        k = points[g] + step
-        before[k] = _squares(R[g])
+    for step in range(int(lengths.max())):
+        g = np.flatnonzero(lengths > step)
+        k, at = points[g] + step, offset[g] + step
+        before[at] = _squares(R[g])
         R_moved, P[g] = R[g] @ blocks.transition[k], P[g] @ blocks.transition[k]
-        moved[k] = _squares(R_moved)
-        roots[k + 1] = R[g] = _triangle(np.concatenate([R_moved, blocks.roots[k]], axis=1))
-        carry[k + 1] = P[g]
-    d = _going_on(blocks, which, ends, carry, before, moved) + blocks.rounding * _squares(roots[1:])
-    for step in range(int((stops - points).max())):
-        g = np.flatnonzero(stops - points > step)
-        k = points[g] + step
-        E[g] = _congruent(E[g], blocks.transition[k])
-        _diagonal(E)[g] += d[k]
-        error[k + 1] = E[g]
-    return roots, carry, error
+        moved[at] = _squares(R_moved)
+        roots[at] = R[g] = _triangle(np.concatenate([R_moved, blocks.roots[k]], axis=1))
+        carry[at] = P[g]
+    d = _going_on(blocks, which, ends, carry, before, moved) + blocks.rounding * _squares(roots[:-1])
+    for step in range(int(lengths.max())):
+        g = np.flatnonzero(lengths > step)
+        at = offset[g] + step
+        E[g] = _congruent(E[g], blocks.transition[points[g] + step])
+        _diagonal(E)[g] += d[at]
+        error[at] = E[g]
+    after = which.b - points[which.group]
+    return roots, carry, error, np.where(after > 0, offset[which.group] + after - 1, total)
 
 
 def _going_on(
     blocks: Blocks, which: Stretches, ends: Array, carry: Array, before: Array, moved: Array
 ) -> Array:
-    """Return d_k of panels after each point, the end of the earliest window carried beside, shape (B, n).
+    """Return d_k of panels after each point, the end of the earliest window carried beside, shape (L − 1, n).
 
     Parameters
     ----------
-    before, moved : squared norms of the columns of what began at the point, (B, n)
+    before, moved : squared norms of the columns of what began at the point, (L − 1, n)
     """
-    k = np.arange(len(blocks.roots))
-    earliest = which.a[np.minimum(np.searchsorted(which.b, k, side="right"), len(which.b) - 1)]
-    points = which.c[which.first]
-    start = np.where(np.isin(k, points), 0, k)  # nothing has begun at a point
+    lengths = which.stops - which.points
+    at, group = np.arange(lengths.sum()), np.repeat(np.arange(len(lengths)), lengths)
+    step = at - np.repeat(lengths.cumsum() - lengths, lengths)
+    k = which.points[group] + step
+    # among the windows of a point, the first that holds the panel
+    earliest = which.a[np.maximum(np.searchsorted(which.b, k, side="right"), which.first[group])]
     S = ends[earliest]
-    before, moved = before + _carried(S, carry[start]), moved + _carried(S, carry[k + 1])
-    return blocks.own_error + blocks.carrying(before, moved, np.maximum(k - earliest, 0))
+    before = before + _carried(S, carry[np.where(step > 0, at - 1, len(at))])
+    moved = moved + _carried(S, carry[:-1])
+    d: Array = blocks.own_error[k] + blocks.carrying(k, before, moved, k - earliest)
+    return d
 
 
 def _carried(S: Array, P: Array) -> Array:

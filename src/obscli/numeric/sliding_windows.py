@@ -38,6 +38,9 @@ _WHOLE: Final = 1e-9
 _CHUNK: Final = 16_000_000
 _HELD: Final = 10
 
+#: Windows that share the panels before a point start so long before it that old rows grow by e^1 at the most.
+_GROWN: Final = 1.0
+
 #: Noise above so much of the largest singular value is looked at: beside a flash it may be another window's.
 _CAUTIOUS: Final = 1e-11
 
@@ -100,13 +103,15 @@ def slide(
     rates, units = rates_of(numeric, probes), chosen_scaling(system, scaling)
     effort = Effort(step_error or STEP_ERROR["square-root"], affordable_steps(numeric))
 
+    reach = _GROWN / rates.backward if rates.backward else np.inf
+
     def decided(found: Gramian) -> Subspaces:
         return subspaces(scaled(found, system, units))
 
-    for part in _portions(windows, longest_step(rates), numeric.n):
+    for part in _portions(windows, longest_step(rates), reach, numeric.n):
         edges = np.unique([part.starts, part.stops])
         edges = edges_of(float(edges[0]), edges[1:], longest_step(rates), effort.most_steps)
-        spaces = decided(sliding_gramians(numeric, edges, part.starts, part.stops, effort))
+        spaces = decided(sliding_gramians(numeric, edges, (part.starts, part.stops), reach, effort))
         yield _reconsidered(spaces, lambda s, t: decided(_alone(numeric, s, t, rates, effort)))
 
 
@@ -136,13 +141,14 @@ def _shows_more(alone: Subspaces, shared: Subspaces) -> bool:
     return bool(alone.decided[0]) and (rank > before or (rank == before and not shared.decided[0]))
 
 
-def _portions(windows: Windows, longest: float, n: int) -> Iterator[Windows]:
+def _portions(windows: Windows, longest: float, reach: float, n: int) -> Iterator[Windows]:
     """Yield consecutive windows, so many that their panels fit into memory."""
     edges = np.unique([windows.starts, windows.stops])
     with np.errstate(divide="ignore"):
         count = np.concatenate([[0.0], np.maximum(np.ceil(np.diff(edges) / longest), 1).cumsum()])
     before, after = (count[np.searchsorted(edges, one)] for one in (windows.starts, windows.stops))
-    at_once = max(_CHUNK / (_HELD * n * n), _LEAST * float((after - before).max()))
+    held = _HELD * (1 + float((windows.stops - windows.starts).max()) / reach) * n * n
+    at_once = max(_CHUNK / held, _LEAST * float((after - before).max()))
     portion = before // at_once
     for part in np.split(np.arange(len(before)), np.flatnonzero(np.diff(portion)) + 1):
         yield Windows(windows.starts[part], windows.stops[part])
