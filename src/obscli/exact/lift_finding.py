@@ -51,10 +51,9 @@ class Lift:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chain:
-    """ζ_1, ζ_2, … from one output: ζ_1 is the output, ζ_k' = constant · ζ_(k+1) plus what was seen before.
+    """ζ_1, ζ_2, … from one output: ζ_1 is the output, ζ_k' a constant times ζ_(k+1), and what was seen before.
 
-    full : the Kronecker lift, (13) or (17); None: the moving states do not move by a constant matrix among
-    places (output, k) of earlier ones.
+    ``output``: its name; ``forms``: ζ_k in the states.
     """
 
     output: str
@@ -68,8 +67,8 @@ class Stationary:
     Parameters
     ----------
     functions : of time in A(t), H(t), closed under differentiation
-    full : the Kronecker lift, (13) or (17); None: the states that move do not move by
-        a constant matrix among themselves, so that there is none
+    full : the Kronecker lift, (13) or (17); None: the moving states do not move by a constant matrix among
+        themselves, so that there is none
     smallest : the moving states, and what acts on them or is seen of the others, closed under d/dt
     observable : the outputs alone, closed: as many variables as it takes
     same_order : as many variables as states, and a change of variables x = T(t) z; None: none found
