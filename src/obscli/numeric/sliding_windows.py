@@ -35,7 +35,7 @@ _PROBES: Final = 18
 _WHOLE: Final = 1e-9
 
 #: Numbers (of 8 bytes) held at a time, and how many arrays (n, n) there are for each panel.
-_CHUNK: Final = 16_000_000
+_CHUNK: Final = 4_000_000
 _HELD: Final = 10
 
 #: Windows that share the panels before a point start so long before it that old rows grow by e^1 at the most.
@@ -88,6 +88,8 @@ def slide(
 ) -> Iterator[Subspaces]:
     """Yield rank, gap, singular values and kernel of windows, in portions, each window at its stop t_i.
 
+    Singular values of different windows compare in fixed units only: automatic ones are each window's own.
+
     Parameters
     ----------
     scaling : units in which the rank is decided; None: the file's sizes, else automatic
@@ -102,13 +104,13 @@ def slide(
     probes = np.linspace(windows.starts[0], windows.stops[-1], _PROBES)[1:-1]
     rates, units = rates_of(numeric, probes), chosen_scaling(system, scaling)
     effort = Effort(step_error or STEP_ERROR["square-root"], affordable_steps(numeric))
-
     reach = _GROWN / rates.backward if rates.backward else np.inf
+    held = _HELD * numeric.n**2 * (1 + float((windows.stops - windows.starts).max()) / reach)
 
     def decided(found: Gramian) -> Subspaces:
         return subspaces(scaled(found, system, units))
 
-    for part in _portions(windows, longest_step(rates), reach, numeric.n):
+    for part in _portions(windows, longest_step(rates), _CHUNK / held, effort.most_steps):
         edges = np.unique([part.starts, part.stops])
         edges = edges_of(float(edges[0]), edges[1:], longest_step(rates), effort.most_steps)
         spaces = decided(sliding_gramians(numeric, edges, (part.starts, part.stops), reach, effort))
@@ -141,14 +143,13 @@ def _shows_more(alone: Subspaces, shared: Subspaces) -> bool:
     return bool(alone.decided[0]) and (rank > before or (rank == before and not shared.decided[0]))
 
 
-def _portions(windows: Windows, longest: float, reach: float, n: int) -> Iterator[Windows]:
-    """Yield consecutive windows, so many that their panels fit into memory."""
+def _portions(windows: Windows, longest: float, fitting: float, most: int) -> Iterator[Windows]:
+    """Yield consecutive windows, so many that their panels fit into memory and are no more than allowed."""
     edges = np.unique([windows.starts, windows.stops])
     with np.errstate(divide="ignore"):
         count = np.concatenate([[0.0], np.maximum(np.ceil(np.diff(edges) / longest), 1).cumsum()])
     before, after = (count[np.searchsorted(edges, one)] for one in (windows.starts, windows.stops))
-    held = _HELD * (1 + float((windows.stops - windows.starts).max()) / reach) * n * n
-    at_once = max(_CHUNK / held, _LEAST * float((after - before).max()))
-    portion = before // at_once
+    held = float((after - before).max())
+    portion = before // max(min(max(fitting, _LEAST * held), most - held), 1)
     for part in np.split(np.arange(len(before)), np.flatnonzero(np.diff(portion)) + 1):
         yield Windows(windows.starts[part], windows.stops[part])
