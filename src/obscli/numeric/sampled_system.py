@@ -15,6 +15,7 @@ from typing import Final
 
 import numpy as np
 
+from obscli.core.number import bar
 from obscli.model.system import System
 from obscli.numeric.dense_transition import dense_transitions
 from obscli.numeric.driving_noise import driving_rate, noise_roots
@@ -81,6 +82,10 @@ class Timeline:
         sample = np.full(len(t), -1)
         sample[np.searchsorted(t, self.t)] = self.sample
         return Timeline(self.edges, t, sample), np.searchsorted(t, snapped)
+
+    def progress(self, k: int) -> str:
+        """Say how far one has come at an instant: a bar of what is done, and the time."""
+        return f"{bar(k, len(self.t) - 1)} instants, t = {self.t[k]:.6g} of {self.t[-1]:.6g}"
 
     def marks(self, most: int) -> Flags:
         """Return which instants are recorded: start, stop, samples, ends of panels where nothing is sampled.
