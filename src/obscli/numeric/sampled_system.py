@@ -132,23 +132,30 @@ class SampledSystem:
     Raises
     ------
     NotComputableError
-        where a state has no P0, or noise is not given; the text says what to give
+        where noise is not given; the text says what to give
     """
 
     def __init__(self, system: System, schedule: Schedule) -> None:
         self.numeric = NumericSystem(system, schedule.start, schedule.stop)
         self.noise = noise_model(self.numeric)
         self.schedule = schedule
-        missing = [s for s, p in zip(system.state_names, np.diag(self.noise.P0), strict=True) if p == 0]
+
+    @property
+    def prior(self) -> Array:
+        """A square root of P0, shape (n, n).
+
+        Raises
+        ------
+        NotComputableError
+            where a state has no P0
+        """
+        names = self.numeric.system.state_names
+        missing = [s for s, p in zip(names, np.diag(self.noise.P0), strict=True) if p == 0]
         if missing:
             raise NotComputableError(
                 f"no initial deviation of {', '.join(missing)}: give `noise: {{P0_std: {{{missing[0]}: …}}}}`"
                 f"{'' if len(missing) == 1 else ', for each of them'}"
             )
-
-    @property
-    def prior(self) -> Array:
-        """A square root of P0, shape (n, n)."""
         return np.asarray(np.linalg.cholesky(self.noise.P0), dtype=float)
 
     @property
