@@ -354,9 +354,7 @@ FractionOption: TypeAlias = Annotated[
 ]
 HistoryOption: TypeAlias = Annotated[
     Path | None,
-    typer.Option(
-        "--history", metavar="FILE", help="Write the histories to FILE: .csv, .json or .parquet."
-    ),
+    typer.Option("--history", metavar="FILE", help="Write the histories to FILE: .csv, .json or .parquet."),
 ]
 DetailsAllOption: TypeAlias = Annotated[
     bool, typer.Option("--details", help="Show the combinations and everything that was simulated.")
