@@ -251,6 +251,10 @@ def test_one_number_altered_in_the_file_makes_verification_fail(file):
 CORRUPTED = {
     "accelerometer": ("basis: [dv, g*alpha - da]", "basis: [dv, g*alpha + da]"),
     "gyro": ("directions: [{dv: -R, domega: 1}]", "directions: [{dv: R, domega: 1}]"),
+    "observers": (
+        "accelerometer_as_printed, rank: 0, detectable: false",
+        "accelerometer_as_printed, rank: 0, detectable: true",
+    ),
     "horizontal_channel": ("[{alpha: 1/g, da: 1}]", "[{alpha: 1/R, da: 1}]"),
     "equator": ("- b_g2 + omega*M_g21", "- b_g2 - omega*M_g21"),
     "horizontal": ("- b_g1 + omega*M_g12 - omega*M_a21", "- b_g1 - omega*M_a21"),

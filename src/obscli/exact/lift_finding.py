@@ -51,7 +51,7 @@ class Lift:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chain:
-    """ζ_1, ζ_2, … from one output: ζ_1 is the output, ζ_k' a constant times ζ_(k+1), and what was seen before.
+    """ζ_1, ζ_2, … from one output: ζ_1 is it, ζ_k' a constant times ζ_(k+1), and what was seen before.
 
     ``output``: its name; ``forms``: ζ_k in the states.
     """

@@ -46,7 +46,7 @@ def conventional_singular_value(subject: Subject) -> Found:
 
 
 def _remarks(*, repeated: bool, tied: bool, given: int, n: int) -> list[str]:
-    found = []
+    found = ["gives each singular value to one state, whatever else its vector holds; compare σ̃"]
     if repeated:
         found.append("singular values repeat: which states get them is arbitrary")
     if tied:

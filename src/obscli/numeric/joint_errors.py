@@ -164,7 +164,7 @@ class Pair:
         both = zip(self.truth.stretches(timeline), self.design.stretches(timeline), strict=True)
         for true, own in both:
             part = slice(own.first, own.first + len(own.rows))
-            progress(f"t = {timeline.t[part.start]:.6g} of {timeline.t[-1]:.6g}")
+            progress(timeline.progress(part.start))
             outputs = self._outputs_of(true, own, timeline.sample[part])
             for k in range(len(own.rows)):
                 if true.noise is not None:

@@ -102,7 +102,7 @@ def _followed(
     root = opened = sampled.prior
     for stretch in sampled.stretches(timeline):
         part = slice(stretch.first, stretch.first + len(stretch.rows))
-        progress(f"t = {timeline.t[part.start]:.6g} of {timeline.t[-1]:.6g}")
+        progress(timeline.progress(part.start))
         rows = sampled.whitening(timeline.sample[part]) @ stretch.rows
         taken = timeline.sample[part] >= 0
         if stretch.noise is None:

@@ -19,20 +19,20 @@ M. S. Grewal, A. P. Andrews, Kalman Filtering (2008), 6.5 (square-root filters).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from obscli.model.system import System
 from obscli.numeric.collocation import gauss_legendre
+from obscli.numeric.driving_noise import driving_rate
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.finding import CrossCheck
 from obscli.numeric.hidden_motion import transitions, units_of
 from obscli.numeric.noise import NoiseModel, continuous_noise, steps_of
 from obscli.numeric.numeric_system import NumericSystem
-from obscli.numeric.program import Array, Program
-from obscli.numeric.rates import argument_derivatives, rates_of
+from obscli.numeric.program import Array
+from obscli.numeric.rates import rates_of
 from obscli.numeric.settings import Effort
 from obscli.numeric.transition import edges_of, longest_step
 
@@ -45,7 +45,7 @@ _PROBES: Final = 18
 
 #: At so many instants driving noise enters within a panel, in which G turns by so many radians at the most.
 _NODES: Final = 5
-MOST_PHASE: Final = 1.0
+_MOST_PHASE: Final = 1.0
 
 _WIDER: Final = 4.0
 
@@ -109,9 +109,9 @@ def covariances(noise: NoiseModel, start: float, instants: Array, step: float, r
     outputs = system.matrices(np.concatenate([[start], instants]))[1]
     whitened = noise.whitening @ outputs * np.sqrt(step)
     rates = rates_of(system, np.linspace(start, instants[-1], _PROBES)[1:-1])
-    longest = min(longest_step(rates), MOST_PHASE / max(driving_rate(noise, instants), 1e-300))
+    longest = min(longest_step(rates), _MOST_PHASE / max(driving_rate(noise, instants), 1e-300))
     edges = edges_of(start, instants, longest, _MOST)
-    noises = entering(noise, edges)
+    noises = _entering(noise, edges)
     edges = np.union1d(edges, list(noises))
     root = _updated(root, whitened[0])
     found = [root]
@@ -125,17 +125,7 @@ def covariances(noise: NoiseModel, start: float, instants: Array, step: float, r
     return _squared(found, np.concatenate([[start], instants]))
 
 
-def driving_rate(noise: NoiseModel, instants: Array) -> float:
-    """Return how fast arguments of sin, cos, … in G vary, as seen at some instants."""
-    system = noise.system.system
-    if noise.drive is None or system.G is None:
-        return 0.0
-    derivatives = argument_derivatives(replace(system, A=system.G))
-    found = Program(derivatives).run(noise.system.values(instants, {}))
-    return max((float(np.abs(one).max()) for one in found), default=0.0)
-
-
-def entering(noise: NoiseModel, edges: Array) -> dict[float, Array]:
+def _entering(noise: NoiseModel, edges: Array) -> dict[float, Array]:
     """Return the instants at which driving noise enters, and square roots of how much: √w_j G Q^½."""
     if noise.drive is None:
         return {}

@@ -15,6 +15,7 @@ from typing import Final
 
 import numpy as np
 
+from obscli.core.number import bar
 from obscli.model.system import System
 from obscli.numeric.dense_transition import dense_transitions
 from obscli.numeric.driving_noise import driving_rate, noise_roots
@@ -82,6 +83,10 @@ class Timeline:
         sample[np.searchsorted(t, self.t)] = self.sample
         return Timeline(self.edges, t, sample), np.searchsorted(t, snapped)
 
+    def progress(self, k: int) -> str:
+        """Say how far one has come at an instant: a bar of what is done, and the time."""
+        return f"{bar(k, len(self.t) - 1)} instants, t = {self.t[k]:.6g} of {self.t[-1]:.6g}"
+
     def marks(self, most: int) -> Flags:
         """Return which instants are recorded: start, stop, samples, ends of panels where nothing is sampled.
 
@@ -127,23 +132,30 @@ class SampledSystem:
     Raises
     ------
     NotComputableError
-        where a state has no P0, or noise is not given; the text says what to give
+        where noise is not given; the text says what to give
     """
 
     def __init__(self, system: System, schedule: Schedule) -> None:
         self.numeric = NumericSystem(system, schedule.start, schedule.stop)
         self.noise = noise_model(self.numeric)
         self.schedule = schedule
-        missing = [s for s, p in zip(system.state_names, np.diag(self.noise.P0), strict=True) if p == 0]
+
+    @property
+    def prior(self) -> Array:
+        """A square root of P0, shape (n, n).
+
+        Raises
+        ------
+        NotComputableError
+            where a state has no P0
+        """
+        names = self.numeric.system.state_names
+        missing = [s for s, p in zip(names, np.diag(self.noise.P0), strict=True) if p == 0]
         if missing:
             raise NotComputableError(
                 f"no initial deviation of {', '.join(missing)}: give `noise: {{P0_std: {{{missing[0]}: …}}}}`"
                 f"{'' if len(missing) == 1 else ', for each of them'}"
             )
-
-    @property
-    def prior(self) -> Array:
-        """A square root of P0, shape (n, n)."""
         return np.asarray(np.linalg.cholesky(self.noise.P0), dtype=float)
 
     @property

@@ -174,7 +174,7 @@ class SimulateRequest:
     """What to simulate: stages (empty: all), the interval (in ``numeric``), samples, random runs.
 
     ``step``: time between samples of outputs that have no rate of their own, None: as in the file;
-    ``recorded``: instants that the histories keep; ``runs``: random runs, 0: none; ``fraction``: of the prior,
+    ``recorded``: instants that the histories keep; ``runs``: random runs, 0: none; ``fraction``: of the prior
     below which a deviation counts as small where the file requires nothing.
     """
 
