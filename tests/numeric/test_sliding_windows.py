@@ -113,6 +113,31 @@ def test_the_bound_is_that_of_a_window_alone(system, gramian, text, placed, wide
             assert 0.9 * narrow <= wide <= wider * narrow
 
 
+@pytest.mark.parametrize(
+    ("path", "stage"),
+    [
+        ("ins_calibration/pole.yaml", "stage_1"),
+        ("ins_calibration/vertical.yaml", "stage_3"),
+        ("calibration/table_plan.yaml", "y_turns"),
+        ("kortunov/sixteen_states_case_3.yaml", "with_heading"),
+        ("textbook/attitude_quaternion.yaml", "any_motion"),
+        ("textbook/ins_velocity_aiding.yaml", "constant_velocity"),
+        ("textbook/mixed_coefficients.yaml", None),
+        ("textbook/wu.yaml", None),
+    ],
+)
+def test_windows_of_bundled_models_all_decide_the_rank_of_the_whole(bundled, numeric, path, stage):
+    """Coefficients are analytic: a quarter of the interval shows what the whole shows."""
+    given = bundled(path, stage)
+    whole = numeric(given)
+    start, stop = whole.horizon.start, whole.horizon.stop
+    windows = even_windows(start, stop, (stop - start) / 4, (stop - start) / 40)
+    rank, decided, _, _ = joined(slide(given, windows))
+    assert len(rank) == 31
+    assert (rank == whole.rank).all()
+    assert decided.all()
+
+
 def test_all_windows_of_a_time_invariant_system_are_alike(system, matrices):
     found = matrices(all_at_once(system(DECAYING), even_windows(3, 13, 2, 0.5)))
     np.testing.assert_allclose(found, np.broadcast_to(found[0], found.shape), rtol=1e-12)
