@@ -13,7 +13,7 @@ from obscli.render.formats import FORMATS
 FORMAT_NAMES: Final = tuple(one.name for one in FORMATS)
 ONLY: Final = ("analytic", "numeric", "verify", "structure")
 METHODS: Final = ("square-root", "lyapunov", "quadrature")
-TARGETS: Final = ("observable", "kalman")
+TARGETS: Final = ("observable", "kalman", "stationary")
 BASES: Final = ("echelon", "sparse")
 SCALINGS: Final = ("automatic", "scale", "prior", "none")
 MEASURE_SCALINGS: Final = ("none", "prior", "scale")
@@ -139,8 +139,8 @@ TargetOption: TypeAlias = Annotated[
         "--to",
         callback=_known_target,
         metavar="|".join(TARGETS),
-        help="The observable combinations as states, or the coordinates in which what outputs see and inputs "
-        "reach stands apart.",
+        help="The observable combinations as states, the coordinates in which what outputs see and inputs "
+        "reach stands apart, or a time-invariant system with the same outputs.",
     ),
 ]
 DropOption: TypeAlias = Annotated[

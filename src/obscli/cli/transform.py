@@ -51,7 +51,7 @@ def transform(  # noqa: PLR0913 - one parameter an option
     details: EquationsOption = False,
     strict: StrictOption = False,
 ) -> int:
-    """Make a model of what is observable, of the Kalman decomposition, or without what cannot be estimated.
+    """Make a model of what is observable, the Kalman decomposition, a stationary one, or without some states.
 
     The report goes to standard output, the model to the file named by -o; the model is read back and checked.
     """
@@ -64,7 +64,7 @@ def transform(  # noqa: PLR0913 - one parameter an option
     from obscli.pipelines.request import Changes, TransformRequest  # noqa: PLC0415
 
     if drop == (to is not None):
-        raise CommandError("say what to make: --to observable, --to kalman, or --drop")
+        raise CommandError("say what to make: --to observable, --to kalman, --to stationary, or --drop")
     if basis != "echelon" and to != "observable":
         raise CommandError(f"--basis {basis} is about --to observable")
     changes = Changes(pairs("--set", settings), pairs("--fix", fix), names(outputs), names(without))

@@ -110,7 +110,7 @@ class PlanRequest:
 
 
 #: What a system can be transformed to.
-Target: TypeAlias = Literal["observable", "kalman", "drop"]
+Target: TypeAlias = Literal["observable", "kalman", "stationary", "drop"]
 
 
 @dataclass(frozen=True, slots=True)

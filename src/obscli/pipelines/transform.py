@@ -12,7 +12,7 @@ from obscli.pipelines.describe.transform import transform_document
 from obscli.pipelines.reading import chosen_systems
 from obscli.pipelines.request import Changes, Progress, RequestError, TransformRequest, silent
 from obscli.pipelines.transform_data import transform_data
-from obscli.pipelines.transform_result import Transformed, TransformResult
+from obscli.pipelines.transform_result import StationaryForm, Transformed, TransformResult
 from obscli.pipelines.transforming import Transformation
 
 
@@ -27,7 +27,7 @@ class TransformReport:
     def text(self) -> str:
         """The model file made, where there is one stage and something came of it; else empty."""
         found = [result.finding for result in self.results]
-        return found[0].text if len(found) == 1 and isinstance(found[0], Transformed) else ""
+        return found[0].text if len(found) == 1 and isinstance(found[0], Transformed | StationaryForm) else ""
 
     @property
     def failed(self) -> int:

@@ -7,8 +7,10 @@ from dataclasses import replace
 from typing import Final
 
 from obscli.core.check import CheckResult
+from obscli.core.number import counted
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.kalman import Kalman, filled_zeros
+from obscli.exact.lift_finding import Stationary
 from obscli.exact.prove import prove
 from obscli.exact.reproduction import Reproduction, reproduction
 from obscli.model.expression import Expression
@@ -55,6 +57,15 @@ def rank_check(made: System, expected: int) -> CheckResult:
     except (UndecidedError, UndefinedError) as error:
         return CheckResult(claim, "undecided", str(error))
     return _check(claim, holds=rank == expected, grounds=f"rank {rank} of {made.n}, proved anew")
+
+
+def agreement_check(found: Stationary) -> CheckResult:
+    """Say whether the stationary system gives the observable combinations of the system itself."""
+    claim = "its observable combinations, mapped back, are those of the system itself"
+    count = counted(len(found.combinations), "combination")
+    return _check(
+        claim, holds=found.agrees, grounds=f"{count}, the same row space exactly" if found.agrees else ""
+    )
 
 
 def zeros_check(found: Kalman, made: System) -> CheckResult:

@@ -11,8 +11,15 @@ from obscli.model.notation import covector_text, to_text
 from obscli.model.system import Matrix
 from obscli.pipelines.certificate_data import covector_to_data
 from obscli.pipelines.request import Changes
+from obscli.pipelines.stationary_data import not_reducible_data, stationary_data
 from obscli.pipelines.transform_heading import back_forms
-from obscli.pipelines.transform_result import NothingLeft, Transformed, TransformResult
+from obscli.pipelines.transform_result import (
+    NoStationaryForm,
+    NothingLeft,
+    StationaryForm,
+    Transformed,
+    TransformResult,
+)
 
 
 def transform_data(results: Iterable[TransformResult], changes: Changes) -> dict[str, object]:
@@ -40,6 +47,10 @@ def _finding(result: TransformResult) -> dict[str, object]:
     match result.finding:
         case Transformed() as found:
             return _transformed(result, found)
+        case StationaryForm() as found:
+            return stationary_data(result, found)
+        case NoStationaryForm() as found:
+            return not_reducible_data(found)
         case NothingLeft(reason) | Undecided(_, reason):
             return {**_EMPTY, "undecided": isinstance(result.finding, Undecided), "reason": reason}
 

@@ -18,11 +18,13 @@ from obscli.pipelines.request import Changes, Target
 _PARTS: Final[dict[Target, str]] = {
     "observable": "observable part",
     "kalman": "Kalman decomposition",
+    "stationary": "stationary form",
     "drop": "without the states that cannot be estimated",
 }
 _OPTIONS: Final[dict[Target, str]] = {
     "observable": "--to observable",
     "kalman": "--to kalman",
+    "stationary": "--to stationary",
     "drop": "--drop",
 }
 
@@ -68,6 +70,14 @@ def kalman_words(sizes: Sequence[int], by: str | None) -> str:
     return (
         f"Coordinates of the Kalman decomposition by {by}: first {counted(a, 'state')} reachable and not "
         f"observable, then {b} reachable and observable, {c} neither, {d} observable and not reachable."
+    )
+
+
+def stationary_words(system: System, size: int) -> str:
+    """Describe the stationary system."""
+    return (
+        f"{counted(size, 'time-invariant equation')} instead of {system.n} that depend on time: z = V(t) x, "
+        "and every output is the same. The comments above say what z is; it starts from z = V(t0) x."
     )
 
 

@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias
 
 from obscli.core.check import CheckResult
 from obscli.exact.finding import Undecided
+from obscli.exact.lift_finding import NotReducible, Stationary
 from obscli.exact.reduced import StateBack
 from obscli.model.acting import InputMatrix
 from obscli.model.expression import Expression
 from obscli.model.system import Covector, Model, System
 from obscli.pipelines.request import Target
 from obscli.pipelines.stage_result import stage_title
+
+
+if TYPE_CHECKING:
+    from obscli.numeric.finding import NotComputed
+    from obscli.numeric.floquet import Floquet
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,10 +57,42 @@ class Transformed:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class StationaryForm:
+    """A stationary model with the same outputs.
+
+    Parameters
+    ----------
+    found : everything stationary about the system; ``system`` is its smallest lift
+    system : the model, as its file reads
+    text : the file
+    checks : what was checked of the file, and whether its combinations are those of the system
+    notes : what did not carry over
+    """
+
+    found: Stationary
+    system: System
+    text: str
+    checks: tuple[CheckResult, ...]
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NoStationaryForm:
+    """A system that algebra finds no stationary form of; ``floquet``: that of a periodic one, in numbers."""
+
+    found: NotReducible
+    floquet: Floquet | NotComputed | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class NothingLeft:
     """No state is left: nothing of the system is observable."""
 
     reason: str
+
+
+#: What comes of a transformation.
+Finding: TypeAlias = Transformed | StationaryForm | NoStationaryForm | NothingLeft | Undecided
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,7 +102,7 @@ class TransformResult:
     model: Model
     system: System
     to: Target
-    finding: Transformed | NothingLeft | Undecided
+    finding: Finding
 
     @property
     def title(self) -> str:
@@ -81,6 +120,6 @@ class TransformResult:
         return 1 if isinstance(self.finding, Undecided) else self._count("undecided")
 
     def _count(self, verdict: str) -> int:
-        if not isinstance(self.finding, Transformed):
+        if not isinstance(self.finding, Transformed | StationaryForm):
             return 0
         return sum(check.verdict == verdict for check in self.finding.checks)

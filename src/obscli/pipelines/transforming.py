@@ -14,17 +14,21 @@ from obscli.exact.dropped import Dropped, drop_unobservable
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.finding import Undecided
 from obscli.exact.kalman import decompose
+from obscli.exact.lift_finding import NotReducible
+from obscli.exact.lifted_system import lifted_system
 from obscli.exact.prove import Proof, prove
 from obscli.exact.reduced import in_variables
+from obscli.exact.stationary import stationary_of
 from obscli.exact.transformed import transformed_system
 from obscli.model.reader import read_text
 from obscli.model.system import Covector, Model, System
 from obscli.model.used import without_unused
 from obscli.model.variables import with_plain_lead
 from obscli.model.write import write_model
+from obscli.pipelines.periodic import periodic_form
 from obscli.pipelines.reading import expanded_states
 from obscli.pipelines.request import Changes, Target, TransformRequest
-from obscli.pipelines.transform_checks import identity_checks, rank_check, zeros_check
+from obscli.pipelines.transform_checks import agreement_check, identity_checks, rank_check, zeros_check
 from obscli.pipelines.transform_heading import (
     assumption,
     changed,
@@ -33,9 +37,17 @@ from obscli.pipelines.transform_heading import (
     kalman_words,
     meanings,
     observable_words,
+    stationary_words,
     way_back,
 )
-from obscli.pipelines.transform_result import NothingLeft, Transformed, TransformResult
+from obscli.pipelines.transform_result import (
+    Finding,
+    NoStationaryForm,
+    NothingLeft,
+    StationaryForm,
+    Transformed,
+    TransformResult,
+)
 
 
 #: Why no model is left.
@@ -53,12 +65,13 @@ class Transformation:
 
     def result(self) -> TransformResult:
         """Return the model made, or why there is none."""
-        ways: dict[Target, Callable[[], Transformed | NothingLeft]] = {
+        ways: dict[Target, Callable[[], Finding]] = {
             "observable": self._observable,
             "kalman": self._kalman,
+            "stationary": self._stationary,
             "drop": self._dropped,
         }
-        finding: Transformed | NothingLeft | Undecided
+        finding: Finding
         try:
             finding = ways[self.request.to]()
         except (UndecidedError, UndefinedError) as error:
@@ -113,6 +126,20 @@ class Transformation:
             divides_by=coordinates.divides_by,
             notes=notes,
         )
+
+    def _stationary(self) -> StationaryForm | NoStationaryForm:
+        found = stationary_of(prove(self.system, self.columns))
+        if isinstance(found, NotReducible):
+            return NoStationaryForm(found, periodic_form(self.system))
+        made, notes = lifted_system(self.system, found.smallest)
+        comments = [*meanings(self.system, found.smallest.names, found.smallest.variables), *notes]
+        text, made = self._written(made, stationary_words(self.system, made.n), comments, found.rank)
+        checks = (
+            *identity_checks(self.system, found.smallest.variables, made, driven=False),
+            rank_check(made, found.rank),
+            agreement_check(found),
+        )
+        return StationaryForm(found, made, text, checks, notes)
 
     def _dropped(self) -> Transformed | NothingLeft:
         system = self.system

@@ -29,11 +29,18 @@ from obscli.model.system import Covector, Matrix, System
 from obscli.model.variables import is_state
 from obscli.pipelines.describe.checks import KINDS
 from obscli.pipelines.describe.rounded import rounded
+from obscli.pipelines.describe.stationary import not_reducible_blocks, stationary_blocks
 from obscli.pipelines.describe.transform_parts import part_blocks
 from obscli.pipelines.describe.words import names
 from obscli.pipelines.latex_names import latex_names
 from obscli.pipelines.transform_heading import back_forms, drop_words, kalman_words
-from obscli.pipelines.transform_result import NothingLeft, Transformed, TransformResult
+from obscli.pipelines.transform_result import (
+    NoStationaryForm,
+    NothingLeft,
+    StationaryForm,
+    Transformed,
+    TransformResult,
+)
 
 
 MEANING_COLUMNS: Final = (Column("state"), Column("is", breaks=True))
@@ -56,6 +63,10 @@ def _stage_blocks(result: TransformResult, *, first: bool) -> Iterator[Block]:
     match result.finding:
         case Undecided(_, reason):
             yield VerdictLine("open", plain(f"undecided: {reason}"))
+        case StationaryForm() as found:
+            yield from stationary_blocks(result, found)
+        case NoStationaryForm() as found:
+            yield from not_reducible_blocks(result, found)
         case NothingLeft(reason):
             yield VerdictLine("bad", plain(f"{reason}: no model is left"))
         case Transformed() as found:
