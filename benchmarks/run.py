@@ -21,6 +21,8 @@ QUICK = {
     "gramian.py": ["--runs", "3"],
     "calibration.py": ["--runs", "3"],
     "structure.py": ["--runs", "3"],
+    "simulate.py": ["--runs", "1"],
+    "pybounds_peer.py": ["--runs", "3"],
     "peers.py": ["--runs", "1", "--reduce-limit", "0"],
 }
 TITLES = {
@@ -29,6 +31,8 @@ TITLES = {
     "gramian.py": "The Gramian: INS calibration stage 2",
     "calibration.py": "Experiments: six runs, 24 candidates, 8 IMUs",
     "structure.py": "Structure: smaller models, explanations",
+    "simulate.py": "The Kalman filter: INS calibration stage 1 at 10 Hz",
+    "pybounds_peer.py": "Sliding windows: INS calibration stage 1, beside pybounds",
     "peers.py": "Side by side: INS calibration stage 1",
     "witness.py": "The generators, checked by modular power series",
 }
