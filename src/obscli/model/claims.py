@@ -16,6 +16,7 @@ from obscli.model.expected import (
     expected_requirements,
     read_measures,
     read_required,
+    read_stationary,
 )
 from obscli.model.expression import Expression, Symbol, is_zero
 from obscli.model.formula import Formula, formula
@@ -23,7 +24,7 @@ from obscli.model.keys import Fields, choice_of, fields, items_of, text_of, whol
 from obscli.model.linear import quantity
 from obscli.model.plain import flow_text
 from obscli.model.scope import Scope
-from obscli.model.system import Claim, Experiment, Quantity, State
+from obscli.model.system import Claim, ExpectedStationary, Experiment, Quantity, State
 from obscli.model.tree import Broken, Node, Scalar
 from obscli.model.tree import Mapping as MappingNode
 from obscli.model.tree import Sequence as SequenceNode
@@ -37,7 +38,7 @@ CLAIM_KEYS: Final = (
     "stage", "experiment", "runs", "at", "rank", *COMBINATIONS, "directions", "states", "determined",
     "detectable",
 )  # fmt: skip
-EXPECT_KEYS: Final = (*CLAIM_KEYS, "measures", "require")
+EXPECT_KEYS: Final = (*CLAIM_KEYS, "measures", "require", "stationary")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +57,7 @@ class ClaimDraft:
     at: Mapping[str, tuple[Scalar, Formula]] | Literal["nominal"] | None
     measures: tuple[MeasureDraft, ...]
     required: tuple[RequiredDraft, ...]
+    stationary: ExpectedStationary | None = None
     known: tuple[str, ...] | None = None  # the runs there are, where somebody knows
 
 
@@ -99,7 +101,13 @@ def _read(node: Node, origin: Origin, path: str, stages: Collection[str], proble
         _at(given["at"][1], f"{path}.at", problems) if "at" in given else None,
         read_measures(given["measures"][1], f"{path}.measures", problems) if "measures" in given else (),
         read_required(given["require"][1], f"{path}.require", problems) if "require" in given else (),
+        _stationary(given, path, problems),
     )  # fmt: skip
+
+
+def _stationary(given: Fields, path: str, problems: Problems) -> ExpectedStationary | None:
+    node = given["stationary"][1] if "stationary" in given else None
+    return read_stationary(node, f"{path}.stationary", problems)
 
 
 def _at(
@@ -161,6 +169,7 @@ def _claim(draft: ClaimDraft, scope: Scope, subjects: Subjects, problems: Proble
         detectable=_detectable(draft, problems),
         measures=expected_measures(draft.measures, f"{draft.path}.measures", subjects, scope, problems),
         requirements=expected_requirements(draft.required, f"{draft.path}.require", subjects, problems),
+        stationary=draft.stationary,
     )
 
 

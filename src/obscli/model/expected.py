@@ -1,4 +1,4 @@
-"""``measures`` and ``require`` under ``expect``: what a measure is to find, which accuracy is to be met.
+"""``measures``, ``require``, ``stationary`` under ``expect``: what is to be found, which accuracy to be met.
 
 A value stands for the system as a whole, or by the name of a state, a vector (for each of its components), a
 quantity, or whatever else the measure speaks of. Which measures there are is not known here.
@@ -16,9 +16,9 @@ from obscli.model.constant import unmoving
 from obscli.model.declaration import is_part_of
 from obscli.model.expression import Expression, Number
 from obscli.model.formula import Formula, formula
-from obscli.model.keys import choice_of, fields
+from obscli.model.keys import choice_of, fields, whole_of
 from obscli.model.scope import Scope
-from obscli.model.system import ExpectedMeasure, Met, Quantity, State
+from obscli.model.system import ExpectedMeasure, ExpectedStationary, Lifted, Met, Quantity, State
 from obscli.model.tokens import is_name
 from obscli.model.tree import Broken, Node, Scalar, kind
 from obscli.model.tree import Mapping as MappingNode
@@ -27,6 +27,7 @@ from obscli.model.trouble import Problems, nearest, shown
 
 VALUE_KEYS: Final = ("value", "tolerance")
 MET: Final = ("met", "missed")
+LIFTED: Final = ("full", "smallest", "outputs", "same_order")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,6 +132,21 @@ def read_required(node: Node | None, path: str, problems: Problems) -> tuple[Req
         for name, (key, value) in given.items()
         for one in _read_word(key, value, f"{path}.{name}", problems)
     )
+
+
+def read_stationary(node: Node | None, path: str, problems: Problems) -> ExpectedStationary | None:
+    """Read the sizes of stationary systems, or `false` where there are none."""
+    if node is None or isinstance(node, Broken):
+        return None
+    if not isinstance(node, MappingNode):
+        choice_of((node, node), path, ("false",), problems)
+        return ExpectedStationary(node.place, reducible=False)
+    sizes: dict[Lifted, tuple[int, Place]] = {}
+    for name, (_, value) in fields(node, path, LIFTED, problems).items():
+        size = whole_of(value, f"{path}.{name}", problems, least=0)
+        if size is not None:
+            sizes[cast("Lifted", name)] = (size, value.place)
+    return ExpectedStationary(node.place, reducible=True, sizes=sizes)
 
 
 def _read_word(name: Scalar | None, node: Node, path: str, problems: Problems) -> Iterator[RequiredDraft]:

@@ -130,6 +130,19 @@ class ExpectedMeasure:
     key_place: Place
 
 
+#: The stationary systems whose sizes may be expected.
+Lifted: TypeAlias = Literal["full", "smallest", "outputs", "same_order"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExpectedStationary:
+    """How many states the stationary systems have; ``reducible``: whether there are any."""
+
+    place: Place
+    reducible: bool
+    sizes: Mapping[Lifted, tuple[int, Place]] = field(default_factory=dict)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Claim:
     """One entry of ``claims`` or ``expect``: what is asserted of a stage, at generic values or ``at`` some.
@@ -137,7 +150,8 @@ class Claim:
     ``at`` is None for generic values, "nominal" for the file's, else parameter name → exact value.
     A claim about an experiment may be about some ``runs`` only (empty: all); ``everything`` is where it says
     that all shared states are determined; ``detectable``: whether what is unobservable is said to die out.
-    ``requirements``: whether accuracy asked for is met, by state or quantity; "" for all that is asked for.
+    ``requirements``: whether accuracy asked for is met, by state or quantity; "" for all that is asked for;
+    ``stationary``: the sizes of time-invariant systems with the same outputs.
     """
 
     origin: Literal["claims", "expect"]
@@ -157,6 +171,7 @@ class Claim:
     detectable: tuple[bool, Place] | None = None
     measures: tuple[ExpectedMeasure, ...] = ()
     requirements: Mapping[str, tuple[Met, Place]] = field(default_factory=dict)
+    stationary: ExpectedStationary | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

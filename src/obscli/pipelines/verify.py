@@ -18,6 +18,7 @@ from obscli.pipelines.stage_result import StageChecks
 from obscli.pipelines.verify_experiment import verify_experiment
 from obscli.pipelines.verify_measures import check_measures
 from obscli.pipelines.verify_report import VerifyReport
+from obscli.pipelines.verify_stationary import check_stationary
 
 
 def verify(
@@ -71,6 +72,7 @@ def _checked(model: Model, system: System, look: Looks) -> StageChecks:
         certified(system, finding),
         agreed(verification),
         *check_claims(system, finding, look),
+        *check_stationary(system, finding),
         *(one for claim in system.claims for one in check_measures(model, system, claim)),
     )
     return StageChecks(model, system, checks, verification)

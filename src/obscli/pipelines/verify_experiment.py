@@ -58,10 +58,13 @@ def verify_experiment(
 
 
 def _unmeasured(claim: Claim) -> Iterator[CheckResult]:
-    """Say that measures are taken of stages; the accuracy of an experiment is what calibrate tells."""
+    """Say that measures and stationary systems are those of stages, and which command tells the accuracy."""
     if claim.measures:
         reason = "measures are taken of stages: give `stage` instead of `experiment`"
         yield CheckResult("measures", "undecided", reason, claim.measures[0].place)
+    if claim.stationary is not None:
+        reason = "stationary systems are those of stages: give `stage` instead of `experiment`"
+        yield CheckResult("stationary", "undecided", reason, claim.stationary.place)
     for name, (word, place) in claim.requirements.items():
         reason = (
             "the accuracy of an experiment is told by `obscli calibrate`, which fails where one is missed"
