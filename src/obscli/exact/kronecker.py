@@ -17,8 +17,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from obscli.exact.lift import variable_names
 from obscli.exact.lift_finding import Kronecker, Lift
+from obscli.exact.lift_writing import variable_names
 
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from obscli.exact.constant_span import Forms
     from obscli.exact.exponential_polynomial import Mode
-    from obscli.exact.lift import Writer
+    from obscli.exact.lift_writing import Writer
 
 
 def is_constant_among_moving(forms: Forms) -> bool:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from obscli.exact.constant_span import Forms
     from obscli.exact.echelon import PolyRow
     from obscli.exact.exact_system import Row
-    from obscli.exact.lift import Writer
+    from obscli.exact.lift_writing import Writer
     from obscli.exact.prove import Proof
     from obscli.model.system import Covector
 

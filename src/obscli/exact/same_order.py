@@ -19,16 +19,15 @@ from typing import TYPE_CHECKING, Final
 
 from obscli.exact.closure import closure
 from obscli.exact.echelon import Echelon, polynomial_row, reduced_echelon
-from obscli.exact.errors import UndecidedError
 from obscli.exact.kronecker import functions_in
 from obscli.exact.rows import combined, field_row, transpose
 from obscli.exact.spectrum import characteristic_polynomial, factors, modes_of
 
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
-    from obscli.exact.closure import Screen, Span, Values
+    from obscli.exact.closure import Screen, Span
     from obscli.exact.constant_span import Forms
     from obscli.exact.exact_system import Row
     from obscli.exact.exponential_polynomial import Mode

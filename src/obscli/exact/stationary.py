@@ -17,25 +17,24 @@ from typing import TYPE_CHECKING, Final
 
 from obscli.exact.closure import Screen, closure
 from obscli.exact.constant_span import Forms
+from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.exponential_polynomial import Modes, NotExponentialError
 from obscli.exact.finding import Undecided
-from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.kronecker import full_columns, functions_in, kronecker
-from obscli.exact.lift import Writer
 from obscli.exact.lift_finding import NotReducible, Obstacle, Stationary
 from obscli.exact.lift_observability import combinations, observed
+from obscli.exact.lift_writing import Writer
 from obscli.exact.prove import prove
 from obscli.exact.same_order import same_order
 
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
 
     from obscli.exact.exact_system import Row
-    from obscli.exact.exponential_polynomial import ExponentialPolynomial, Mode
+    from obscli.exact.exponential_polynomial import Mode
     from obscli.exact.field import Element
     from obscli.exact.prove import Proof
-    from obscli.model.system import Matrix, System
+    from obscli.model.system import System
 
 #: A space of forms with more dimensions than this is taken for one that does not close.
 _MOST: Final = 500
