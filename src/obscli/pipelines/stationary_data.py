@@ -10,7 +10,6 @@ from obscli.model.notation import covector_text, to_text
 from obscli.model.system import Covector
 from obscli.numeric.finding import NotComputed
 from obscli.pipelines.certificate_data import covector_to_data
-from obscli.pipelines.describe.floquet import floquet_data
 from obscli.pipelines.transform_result import NoStationaryForm, StationaryForm, TransformResult
 
 
@@ -48,6 +47,11 @@ def stationary_data(result: TransformResult, form: StationaryForm) -> dict[str, 
 def not_reducible_data(form: NoStationaryForm) -> dict[str, object]:
     """Return what stands in the way, and the Floquet–Lyapunov form of a periodic system."""
     floquet = form.floquet
+    numbers = None
+    if floquet is not None and not isinstance(floquet, NotComputed):
+        from obscli.pipelines.describe.floquet import floquet_data  # noqa: PLC0415 - floating point
+
+        numbers = floquet_data(floquet)
     return {
         "reducible": False,
         "obstacle": [
@@ -63,7 +67,7 @@ def not_reducible_data(form: NoStationaryForm) -> dict[str, object]:
         "agrees": None,
         "checks": [],
         "notes": [],
-        "floquet": None if floquet is None or isinstance(floquet, NotComputed) else floquet_data(floquet),
+        "floquet": numbers,
         "undecided": False,
         "reason": floquet.reason if isinstance(floquet, NotComputed) else "",
     }

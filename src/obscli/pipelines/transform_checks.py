@@ -51,7 +51,11 @@ def _identities(found: Reproduction) -> Iterator[CheckResult]:
 
 def rank_check(made: System, expected: int) -> CheckResult:
     """Prove the rank of the model as its file reads."""
-    claim = "every state is observable" if expected == made.n else f"{expected} combinations are observable"
+    claim = (
+        "every state is observable"
+        if expected == made.n
+        else f"{counted(expected, 'combination')} observable"
+    )
     try:
         rank = prove(made, range(made.n)).rank
     except (UndecidedError, UndefinedError) as error:

@@ -29,7 +29,6 @@ from obscli.model.system import Covector
 from obscli.model.variables import is_state
 from obscli.numeric.finding import NotComputed
 from obscli.pipelines.describe.checks import KINDS
-from obscli.pipelines.describe.floquet import floquet_blocks
 from obscli.pipelines.describe.formulas import combination
 from obscli.pipelines.describe.words import names
 from obscli.pipelines.latex_names import latex_names
@@ -45,16 +44,36 @@ def stationary_blocks(result: TransformResult, form: StationaryForm) -> Iterator
     found = form.found
     yield Paragraph(plain(_summary(result, found)))
     yield from _sizes(found)
-    if found.functions.f:
+    if _varies(found.functions):
         yield from _functions(result, found.functions)
     yield from _variables(result, found.smallest)
     yield from _equations(result, found.smallest)
-    if found.same_order is not None and found.same_order.variables != found.smallest.variables:
-        yield Heading(2, plain(f"A stationary system of the same order ({found.same_order.n})"))
-        yield from _variables(result, found.same_order, heading="")
-        yield from _equations(result, found.same_order, heading="")
+    yield from _same_order(result, found)
     yield from _combinations(result, found)
     yield from _checks(form)
+
+
+def _same_order(result: TransformResult, found: Stationary) -> Iterator[Block]:
+    """Yield the change of variables; as details where the smallest lift has fewer."""
+    lift = found.same_order
+    states = result.system.state_names
+    if lift is None or _texts(lift, states) == _texts(found.smallest, states):
+        return
+    blocks = (
+        Heading(2, plain(f"A stationary system of the same order ({lift.n})")),
+        *_variables(result, lift, heading=""),
+        *_equations(result, lift, heading=""),
+    )
+    yield from blocks if lift.n <= found.smallest.n else (Details(blocks),)
+
+
+def _texts(lift: Lift, states: tuple[str, ...]) -> list[str]:
+    return [covector_text(form, states) for form in lift.variables]
+
+
+def _varies(functions: Functions) -> bool:
+    """Whether anything depends on time: functions that are not constant."""
+    return any(functions.S)
 
 
 def not_reducible_blocks(result: TransformResult, form: NoStationaryForm) -> Iterator[Block]:
@@ -73,12 +92,14 @@ def not_reducible_blocks(result: TransformResult, form: NoStationaryForm) -> Ite
     if isinstance(form.floquet, NotComputed):
         yield Note("note", plain(f"periodic, but no Floquet–Lyapunov form: {form.floquet.reason}"))
     elif form.floquet is not None:
+        from obscli.pipelines.describe.floquet import floquet_blocks  # noqa: PLC0415 - floating point
+
         yield from floquet_blocks(result.system, form.floquet)
 
 
 def _summary(result: TransformResult, found: Stationary) -> str:
     n = result.system.n
-    if not found.functions.f:
+    if not _varies(found.functions):
         return f"The system is time-invariant as it stands: {counted(n, 'state')}."
     full = "" if found.full is None else f", where the full lift has {found.full.n}"
     return (
@@ -106,9 +127,9 @@ def _sizes(found: Stationary) -> Iterator[Block]:
 
 def _functions(result: TransformResult, functions: Functions) -> Iterator[Block]:
     known = latex_names(result.system)
-    content: list[Text | Math] = [Text("Functions of time, f' = S f: ")]
+    content: list[Text | Math] = [Text("Functions of time, f' = S f:"), Text(" ")]
     for k, one in enumerate(functions.f):
-        content += [Text(", " if k else ""), Math(to_text(one), to_latex(one, known))]
+        content += [*([Text(", ")] if k else []), Math(to_text(one), to_latex(one, known))]
     yield Paragraph(tuple(content))
     rows = []
     for one, row in zip(functions.f, functions.S, strict=True):
