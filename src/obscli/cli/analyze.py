@@ -9,6 +9,7 @@ import typer
 
 from obscli.cli.options import (
     BasisOption,
+    CertifyOption,
     CrossCheckOption,
     DetailsOption,
     DualOption,
@@ -67,6 +68,7 @@ def analyze(  # noqa: PLR0913 - one parameter an option
     rtol: RtolOption = None,
     scaling: ScalingOption = None,
     cross_check: CrossCheckOption = False,
+    certify: CertifyOption = False,
     plot: PlotOption = None,
     strict: StrictOption = False,
 ) -> int:
@@ -98,6 +100,7 @@ def analyze(  # noqa: PLR0913 - one parameter an option
         cross_check=cross_check,
         dual=dual,
         frozen_at=frozen_at,
+        certify=certify,
     )
     with refusals(), ProgressLine() as progress:
         report = run(model, request=request, changes=changes, progress=progress)

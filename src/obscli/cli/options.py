@@ -12,7 +12,7 @@ from obscli.render.formats import FORMATS
 
 FORMAT_NAMES: Final = tuple(one.name for one in FORMATS)
 ONLY: Final = ("analytic", "numeric", "verify", "structure")
-METHODS: Final = ("square-root", "lyapunov", "quadrature")
+METHODS: Final = ("square-root", "lyapunov", "quadrature", "lift")
 TARGETS: Final = ("observable", "kalman", "stationary")
 BASES: Final = ("echelon", "sparse")
 SCALINGS: Final = ("automatic", "scale", "prior", "none")
@@ -272,8 +272,8 @@ GramianOption: TypeAlias = Annotated[
         "--gramian",
         callback=_known_method,
         metavar="|".join(METHODS),
-        help="Its square root by QR (well-conditioned), its differential equation as in the papers, or its "
-        "definition summed.",
+        help="Its square root by QR (well-conditioned), its differential equation as in the papers, its "
+        "definition summed, or by matrix exponentials of a stationary system (where it is reducible to one).",
     ),
 ]
 RtolOption: TypeAlias = Annotated[
@@ -314,6 +314,14 @@ CrossCheckOption: TypeAlias = Annotated[
         "--cross-check",
         help="Solve the Riccati equation of the Kalman filter from P0 and 4 P0: where what is hidden dies "
         "out, both end alike. Needs `noise` in the file.",
+    ),
+]
+CertifyOption: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--certify",
+        help="Prove the rank of the Gramian at instants (--times; a few of the interval) in ball arithmetic, "
+        "where the system is reducible to a stationary one.",
     ),
 ]
 StrictOption: TypeAlias = Annotated[

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Final, TypeAlias
 
 import numpy as np
 
 from obscli.model.system import System
-from obscli.numeric.errors import NotComputableError, TooManyStepsError
+from obscli.numeric.errors import NotComputableError, TooManyStepsError, UnfitRequestError
 from obscli.numeric.gramian import Gramian, Method
 from obscli.numeric.horizon import Horizon, horizon_of
+from obscli.numeric.lifted_gramian import lifted_gramian
 from obscli.numeric.lyapunov import lyapunov_gramian
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import Array, Flags
@@ -28,7 +29,9 @@ from obscli.numeric.windows import joined, shortened, windowed
 
 Progress: TypeAlias = Callable[[str], None]
 
-METHODS: Final[Mapping[Method, Callable[[NumericSystem, float, Array, Rates, Effort], Gramian]]] = {
+Way: TypeAlias = Callable[[NumericSystem, float, Array, Rates, Effort], Gramian]
+
+METHODS: Final[Mapping[Method, Way]] = {
     "square-root": square_root_gramian,
     "lyapunov": lyapunov_gramian,
     "quadrature": quadrature_gramian,
@@ -99,11 +102,11 @@ def analyze(system: System, settings: Settings, progress: Progress = lambda _: N
     rates = rates_of(numeric, np.linspace(horizon.start, horizon.stop, _PROBES)[1:-1])
     progress(f"Gramian at {len(horizon.instants)} instants")
 
-    steps = affordable_steps(numeric)
+    steps, way = affordable_steps(numeric), _way(settings)
 
     def spaces_of(start: float, instants: Array, most_steps: int) -> Subspaces:
         effort = Effort(settings.step_error, most_steps)
-        found = METHODS[settings.method](numeric, start, instants, rates, effort)
+        found = way(numeric, start, instants, rates, effort)
         return subspaces(scaled(found, system, scaling))
 
     def at(t: float, w: float) -> Subspaces:
@@ -121,6 +124,16 @@ def analyze(system: System, settings: Settings, progress: Progress = lambda _: N
     found = Numeric(numeric, settings, scaling, horizon, rates, spaces)
     parts = shortened(spaces, rates, at)
     return replace(found, spaces=joined(spaces, parts)) if parts else found
+
+
+def _way(settings: Settings) -> Way:
+    if settings.method != "lift":
+        return METHODS[settings.method]
+    if settings.lift is None:
+        raise UnfitRequestError("--gramian lift needs a stationary system with the same outputs")
+    if settings.rtol is not None:
+        raise UnfitRequestError("--gramian lift makes no step error: leave out --rtol")
+    return partial(lifted_gramian, settings.lift)
 
 
 def affordable_steps(system: NumericSystem) -> int:

@@ -22,8 +22,9 @@ LOST: Final = 1e300
 #: Up to so many states a factorisation or a product is wrong by one unit of rounding.
 _SMALL: Final = 24
 
-#: How the Gramian is found: as a square root, by its differential equation, by its definition.
-Method: TypeAlias = Literal["square-root", "lyapunov", "quadrature"]
+#: How the Gramian is found: as a square root, by its differential equation, by its definition, from a
+#: stationary system.
+Method: TypeAlias = Literal["square-root", "lyapunov", "quadrature", "lift"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +53,7 @@ class Gramian:
     @property
     def is_root(self) -> bool:
         """Whether M is a square root R D, else D W D."""
-        return self.method == "square-root"
+        return self.method in {"square-root", "lift"}
 
     @property
     def n(self) -> int:

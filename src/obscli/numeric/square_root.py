@@ -24,6 +24,7 @@ V. M. Morozov, F. Yu. Baklanov (2018), (2), (3). N. J. Higham, Accuracy and Stab
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
@@ -65,10 +66,22 @@ def square_root_gramian(
     NotComputableError
         where the coefficients cannot be resolved, or do not exist at some instant
     """
+    edges = edges_of(start, instants, longest_step(rates), effort.most_steps)
+    return carried(panels(system, edges, effort), system, start, instants)
+
+
+def carried(pieces: Iterable[Panels], system: NumericSystem, start: float, instants: Array) -> Gramian:
+    """Return R(t_i) from panels of which one ends at every instant; lost where columns grow too far.
+
+    Parameters
+    ----------
+    pieces : consecutive panels from t0 on
+    system : whose panels they are
+    start, instants : t0, and t_i in order, shape (N,)
+    """
     chain = _Chain(system)
     found: list[tuple[Array, Array, Array, float]] = []
-    edges = edges_of(start, instants, longest_step(rates), effort.most_steps)
-    for piece in panels(system, edges, effort):
+    for piece in pieces:
         with np.errstate(all="ignore"):  # where squares are too large all is lost
             squares = np.einsum("kij,kij->kj", piece.rows, piece.rows)
             for k, end in enumerate(piece.ends):

@@ -19,6 +19,7 @@ from obscli.exact.finding import (
 from obscli.model.notation import covector_latex, covector_text
 from obscli.model.system import Covector, Model, System
 from obscli.pipelines.certificate_data import certificate_to_data, covector_to_data
+from obscli.pipelines.certified_data import certified_data
 from obscli.pipelines.latex_names import latex_names
 from obscli.pipelines.numeric_data import basis_data, numeric_data, verification_data
 from obscli.pipelines.request import Changes
@@ -68,6 +69,7 @@ def _stage_data(result: StageResult) -> dict[str, object]:
         "numeric": numeric_data(result.numeric),
         "numeric_basis": basis_data(result.basis),
         "verification": verification_data(result.verification),
+        **certified_data(result.certified),
     }
 
 

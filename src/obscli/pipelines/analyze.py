@@ -74,6 +74,8 @@ def analyze(
     unfixed : the same model without its ``fix``; where given, the report says what the fix changes
     progress : told what is being done
     """
+    if request.certify and request.only == "numeric":
+        raise RequestError("--certify rests on the exact kernel; leave out --only numeric")
     if request.dual:
         _require_fit_for_dual(request)
         model = dual_model(model, request.stages)
@@ -97,8 +99,9 @@ def analyze(
             frozen = beside_truth(true[system.stage], finding, system, request.frozen_at)
             result = replace(result, frozen=frozen)
         result = _with_detectability(result, request, told)
-        exact_alone = request.only in {"analytic", "structure"}
-        results.append(result if exact_alone else _with_gramian(result, request, told))
+        if request.only not in {"analytic", "structure"}:
+            result = _with_gramian(result, request, told)
+        results.append(_with_certified(result, request, told))
     return AnalyzeReport(with_other_stages(tuple(results)), changes)
 
 
@@ -156,6 +159,15 @@ def _with_gramian(result: StageResult, request: AnalyzeRequest, progress: Progre
         progress("forms of the coefficients")
         result = replace(result, basis=basis_in_time(numeric, result.finding))
     return replace(result, numeric=finding_of(numeric, bases=alone))
+
+
+def _with_certified(result: StageResult, request: AnalyzeRequest, progress: Progress) -> StageResult:
+    """Return the result with the rank of the Gramian proved at instants, where that was asked for."""
+    if not request.certify:
+        return result
+    from obscli.pipelines.certifying import certified  # noqa: PLC0415 - floating point only where needed
+
+    return replace(result, certified=certified(result.system, result.finding, request.numeric, progress))
 
 
 def _labelled(progress: Progress, label: str) -> Progress:

@@ -15,6 +15,7 @@ from obscli.checks.witness import Witness
 from obscli.core.verification import NotVerified, Verification
 from obscli.exact import analysis as exact_engine
 from obscli.exact.finding import Analysis, Undecided
+from obscli.exact.stationary_form import lift_of
 from obscli.model.covector import parse_scalar
 from obscli.model.expression import Expression
 from obscli.model.specialise import at_nominal
@@ -66,11 +67,23 @@ def numeric_of(
         where what was asked for does not fit the system
     """
     try:
-        return engine.analyze(system, settings_of(system, request), progress)
+        return engine.analyze(system, _with_lift(model, system, request), progress)
     except UnfitRequestError as error:
         raise RequestError(f"{model.file}: {error}") from error
     except NotComputableError as error:
         return NotComputed(str(error))
+
+
+def _with_lift(model: Model, system: System, request: NumericRequest) -> Settings:
+    """Return the options, with the stationary system that the method goes through, where it does."""
+    settings = settings_of(system, request)
+    if request.method != "lift":
+        return settings
+    lift = lift_of(system)
+    if isinstance(lift, str):
+        name = system.stage or model.name
+        raise RequestError(f"{model.file}: {name} has no stationary system for --gramian lift: {lift}")
+    return replace(settings, lift=lift)
 
 
 class Looks:

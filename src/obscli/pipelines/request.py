@@ -43,7 +43,7 @@ class Changes:
 Part: TypeAlias = Literal["analytic", "numeric", "verify", "structure"]
 
 #: How the Gramian can be found, and the units in which its rank can be decided.
-Method: TypeAlias = Literal["square-root", "lyapunov", "quadrature"]
+Method: TypeAlias = Literal["square-root", "lyapunov", "quadrature", "lift"]
 Scaling: TypeAlias = Literal["automatic", "scale", "prior", "none"]
 
 
@@ -71,7 +71,8 @@ class AnalyzeRequest:
     ``only``: one part alone; ``numeric``: the options of the numerical side; ``curves``: guess the forms of
     the coefficients also where the numerical side is not alone; ``relations``: find what outputs are made of;
     ``cross_check``: solve the Riccati equation from two priors; ``dual``: what the inputs reach instead;
-    ``frozen_at``: an instant at which A and H are taken as constant, in the names of the file.
+    ``frozen_at``: an instant at which A and H are taken as constant, in the names of the file; ``certify``:
+    prove the rank of the Gramian at instants in ball arithmetic.
     """
 
     stages: tuple[str, ...] = ()
@@ -85,6 +86,7 @@ class AnalyzeRequest:
     cross_check: bool = False
     dual: bool = False
     frozen_at: str | None = None
+    certify: bool = False
 
 
 #: The parts of a calibration that can be asked for alone.

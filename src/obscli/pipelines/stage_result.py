@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from obscli.checks.certified_rank import CertifiedRank
 from obscli.checks.detectability import Detectability
 from obscli.core.check import CheckResult
 from obscli.core.verification import NotVerified, Verification
@@ -21,7 +22,7 @@ class StageResult:
     ``shown``: the one part the user asked to see, None: all; ``basis``: the numerical basis in time;
     ``detectability``: whether what is unobservable dies out, ``detectability_there``: at the file's values,
     where more is unobservable; ``cross_check``: the Riccati equation from two priors; ``frozen``: the instant
-    at which ``system`` is frozen, and the rank in truth.
+    at which ``system`` is frozen, and the rank in truth; ``certified``: the rank of the Gramian, proved.
     """
 
     model: Model
@@ -35,6 +36,7 @@ class StageResult:
     detectability_there: Detectability | None = None
     cross_check: CrossCheck | NotComputed | None = None
     frozen: Frozen | None = None
+    certified: CertifiedRank | None = None
 
     @property
     def title(self) -> str:
@@ -44,6 +46,10 @@ class StageResult:
     @property
     def is_undecided(self) -> bool:
         """Whether anything that was asked about the stage's rank stayed undecided."""
+        return self._is_shown_undecided or (self.certified is not None and self.certified.is_undecided)
+
+    @property
+    def _is_shown_undecided(self) -> bool:
         match self.shown:
             case "analytic":
                 return not self.is_proved

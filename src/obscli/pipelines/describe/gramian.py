@@ -42,6 +42,7 @@ METHODS: Final = {
     "square-root": "square root, carried from step to step by QR",
     "lyapunov": "equation (3) integrated with DOP853: singular values are roots of those of W",
     "quadrature": "definition (2) summed: singular values are roots of those of W",
+    "lift": "square root, through a stationary system with the same outputs by matrix exponentials",
 }
 SCALINGS: Final = {
     "automatic": "automatic: every state in units in which its column of the factor has length 1",
@@ -82,7 +83,8 @@ def _facts(found: NumericFinding) -> Iterator[tuple[Cell, ...]]:
     first, last = number(found.points[0].t), number(found.points[-1].t)
     ends = f"{first if first == last else f'{first} to {last}'}, from t0 = {number(found.start)}"
     default = " (default interval: 20 over the fastest rate)" if found.default else ""
-    yield line(Text("method")), line(Text(f"{METHODS[found.method]}; step error {short(found.rtol)}"))
+    step_error = f"step error {short(found.rtol)}" if found.rtol else "no step error"
+    yield line(Text("method")), line(Text(f"{METHODS[found.method]}; {step_error}"))
     yield line(Text("instants")), line(Text(f"{count}: {ends}{default}"))
     yield line(Text("scaling")), line(Text(SCALINGS[found.scaling]))
     if found.sampled:

@@ -9,6 +9,7 @@ from obscli.core.document import Block, Document, Heading, Inline, Paragraph, Ta
 from obscli.exact.finding import Analysis, Undecided
 from obscli.pipelines.describe.advice import advice_blocks
 from obscli.pipelines.describe.certificate import certificate_blocks
+from obscli.pipelines.describe.certified import certified_blocks
 from obscli.pipelines.describe.combinations import combination_blocks, direction_blocks
 from obscli.pipelines.describe.critical import critical_blocks
 from obscli.pipelines.describe.dual import dual_blocks, told_of
@@ -45,6 +46,7 @@ SECTIONS_AFTER = (
     gramian_state_blocks,
     time_basis_blocks,
     verification_blocks,
+    certified_blocks,
     verdict_blocks,
 )
 

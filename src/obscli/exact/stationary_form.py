@@ -1,0 +1,51 @@
+"""The stationary system that stands for a system: itself, where it is one, else the smallest found."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from obscli.exact.finding import Undecided
+from obscli.exact.lift_finding import Lift, NotReducible
+from obscli.exact.stationary import find_stationary
+from obscli.model.expression import ONE, symbols
+
+
+if TYPE_CHECKING:
+    from obscli.exact.lift_finding import Obstacle, Rows
+    from obscli.model.expression import Expression
+    from obscli.model.system import Matrix, System
+
+
+def lift_of(system: System) -> Lift | str:
+    """Return a stationary system with the outputs of a system, or why there is none."""
+    if _is_stationary(system):
+        return itself(system)
+    found = find_stationary(system)
+    if isinstance(found, Undecided):
+        return f"whether it is reducible is undecided: {found.reason}"
+    if isinstance(found, NotReducible):
+        return f"not reducible: {'; '.join(map(_words, found.obstacles))}"
+    return found.smallest
+
+
+def itself(system: System) -> Lift:
+    """Return a stationary system as its own lift: z = x."""
+    variables = tuple({name: ONE} for name in system.state_names)
+    return Lift(system.state_names, variables, _rows(system.A), _rows(system.H))
+
+
+def _is_stationary(system: System) -> bool:
+    moving = {system.time, *(function.name for function in system.functions)}
+    return not moving & symbols(*system.A.entries.values(), *system.H.entries.values())
+
+
+def _rows(matrix: Matrix) -> Rows:
+    rows: list[dict[int, Expression]] = [{} for _ in range(matrix.rows)]
+    for (i, j), entry in matrix.entries.items():
+        rows[i][j] = entry
+    return tuple(rows)
+
+
+def _words(obstacle: Obstacle) -> str:
+    where = f" ({obstacle.place})" if obstacle.place else ""
+    return f"{obstacle.entry}{where}: {obstacle.reason}"
