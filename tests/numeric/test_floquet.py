@@ -73,26 +73,39 @@ CASES = [
 ]
 
 
+@pytest.fixture(scope="module")
+def reduced(system):
+    """The reduction of a matrix from 0.3 on, each found once."""
+    found = {}
+
+    def one(A, period):
+        key = (repr(A), period)
+        if key not in found:
+            found[key] = floquet(system(written(A)), 0.3, period, samples=8)
+        return found[key]
+
+    return one
+
+
 @pytest.mark.parametrize(("A", "period"), CASES)
 class TestLaws:
-    def test_the_equivalent_reproduces_the_monodromy_matrix(self, system, A, period):
-        found = floquet(system(written(A)), 0.3, period)
+    def test_the_equivalent_reproduces_the_monodromy_matrix(self, reduced, A, period):
+        found = reduced(A, period)
         R, M = found.equivalent.R, found.monodromy
         turns = 2 if found.equivalent.doubled else 1
         error = np.linalg.norm(expm(turns * period * R) - np.linalg.matrix_power(M, turns))
         assert error < 1e-10 * np.linalg.norm(M) ** turns
 
-    def test_the_periodic_factor_begins_with_the_identity_and_returns(self, system, A, period):
-        found = floquet(system(written(A)), 0.3, period, samples=8).equivalent
+    def test_the_periodic_factor_begins_with_the_identity_and_returns(self, reduced, A, period):
+        found = reduced(A, period).equivalent
         assert len(found.P) == len(found.instants) == (17 if found.doubled else 9)
         np.testing.assert_allclose(found.P[0], np.eye(len(A)), atol=1e-12)
         np.testing.assert_allclose(found.P[-1], np.eye(len(A)), atol=1e-10)
         assert found.residual < 1e-11
 
-    def test_multipliers_and_trace_obey_liouville(self, system, A, period):
+    def test_multipliers_and_trace_obey_liouville(self, reduced, A, period):
         """det M = e^(∫ tr A) = e^(T tr R)."""
-        given = system(written(A))
-        found = floquet(given, 0.3, period)
+        found = reduced(A, period)
         t = 0.3 + period * np.arange(64) / 64
         entries = {"cos": np.cos, "sin": np.sin, "t": t}
         trace = sum(
@@ -101,8 +114,8 @@ class TestLaws:
         assert sum(one.real for one in found.exponents) == pytest.approx(trace, abs=1e-10)
         assert np.trace(found.equivalent.R) == pytest.approx(trace, abs=1e-10)
 
-    def test_the_exponents_are_the_eigenvalues_of_the_equivalent(self, system, A, period):
-        found = floquet(system(written(A)), 0.3, period)
+    def test_the_exponents_are_the_eigenvalues_of_the_equivalent(self, reduced, A, period):
+        found = reduced(A, period)
         left = list(np.linalg.eigvals(found.equivalent.R))
         for one, mode in zip(found.exponents, found.modes, strict=True):
             # imaginary parts up to 2π/T, or π/T where P has two periods: compare powers of multipliers
@@ -111,9 +124,8 @@ class TestLaws:
             assert apart[k] < 1e-8 + 4 * mode.error + 4 * period * np.finfo(float).eps ** (1 / len(A))
             del left[k]
 
-    def test_multipliers_do_not_depend_on_where_the_period_starts(self, system, A, period):
-        given = system(written(A))
-        first, second = floquet(given, 0, period), floquet(given, 1.1, period)
+    def test_multipliers_do_not_depend_on_where_the_period_starts(self, system, reduced, A, period):
+        first, second = reduced(A, period), floquet(system(written(A)), 1.1, period, samples=8)
         for a, b in zip(first.modes, second.modes, strict=True):
             assert abs(a.multiplier - b.multiplier) <= 2 * (a.error + b.error) * abs(a.multiplier)
 

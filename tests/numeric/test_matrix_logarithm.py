@@ -18,8 +18,10 @@ def test_it_undoes_the_exponential(n, seed):
 
 @pytest.mark.parametrize("angle", [0.0, 1.0, 3.0, 3.14])
 def test_rotations_have_their_angle(angle):
+    """Near the half turn roots and logarithm each magnify rounding by the angle that is left."""
     J = np.array([[0.0, -1.0], [1.0, 0.0]])
-    np.testing.assert_allclose(real_logarithm(expm(angle * J)), angle * J, atol=1e-11)
+    allowed = 1e-14 + np.finfo(float).eps / (np.pi - angle) ** 2
+    np.testing.assert_allclose(real_logarithm(expm(angle * J)), angle * J, rtol=0, atol=allowed)
 
 
 @pytest.mark.parametrize("n", [2, 3, 6])

@@ -181,7 +181,7 @@ def _minor(rows: Sequence[Sequence[arb]], rank: int) -> arb | None:
     """Return a minor that excludes zero, chosen by elimination with complete pivoting; None: not found."""
     active = {i: dict(enumerate(row)) for i, row in enumerate(rows)}
     chosen: list[tuple[int, int]] = []
-    for _ in range(min(rank, len(rows))):
+    for _ in range(min(rank, len(rows), len(rows[0]))):
         sizes = ((entry.abs_lower(), i, j) for i, row in active.items() for j, entry in row.items())
         _, i, j = max(sizes, key=lambda one: one[0])
         pivot_row = active.pop(i)

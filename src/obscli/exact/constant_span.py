@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from obscli.exact.exponential_polynomial import mode_product
+from obscli.exact.mode import mode_product
 from obscli.exact.rows import combined
 
 
@@ -18,8 +18,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from obscli.exact.exact_system import Row
-    from obscli.exact.exponential_polynomial import ExponentialPolynomial, Mode, Modes
+    from obscli.exact.exponential_polynomial import ExponentialPolynomial
     from obscli.exact.field import Element
+    from obscli.exact.mode import Mode
+    from obscli.exact.modes import Modes
 
 
 class Forms:
@@ -75,11 +77,29 @@ class Forms:
         """Return D l."""
         return combined(self.field, [(entry, self.column_rate(k)) for k, entry in form.items()])
 
+    @property
+    def closes(self) -> bool:
+        """Whether moving states move by constant coefficients among themselves: every space closes then."""
+        one = {self.modes.one}
+        return all(
+            set(entry) == one for i in self.moving for j, entry in self.A[i].items() if j in self.moving
+        )
+
+    def reached(self, start: Iterable[int]) -> set[int]:
+        """Return the columns that D leads to from some, again and again; only where every space closes."""
+        found = set(start)
+        waiting = sorted(found)
+        while waiting:
+            fresh = set(self.column_rate(waiting.pop())) - found
+            found |= fresh
+            waiting += sorted(fresh)
+        return found
+
     def place(self, column: int) -> tuple[object, ...]:
         """Where a column stands among others: moving states first, then by mode, then by state."""
         state, mode = self.columns[column]
         plain = mode == self.modes.one and state in self.moving
-        return (not plain, mode.rank, state)
+        return (not plain, mode.place, state)
 
     def order(self, columns: Iterable[int]) -> list[int]:
         """Return columns in the order in which pivots are sought."""

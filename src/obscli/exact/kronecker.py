@@ -25,40 +25,22 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from obscli.exact.constant_span import Forms
-    from obscli.exact.exponential_polynomial import Mode
     from obscli.exact.lift_writing import Writer
-
-
-def is_constant_among_moving(forms: Forms) -> bool:
-    """Whether the moving states move by constant coefficients among themselves."""
-    moving = set(forms.moving)
-    return all(
-        set(entry) == {forms.modes.one} for i in moving for j, entry in forms.A[i].items() if j in moving
-    )
+    from obscli.exact.mode import Mode
 
 
 def full_columns(forms: Forms) -> list[int] | None:
     """Return the columns of the full lift in order; None where the moving states do not move by a matrix."""
-    if not is_constant_among_moving(forms):
+    if not forms.closes:
         return None
     start = {k for row in forms.H for k in row} | {forms.column(i, forms.modes.one) for i in forms.moving}
-    reached = _reached(forms, start)
+    reached = [forms.columns[k] for k in forms.reached(start)]
+    constant = [i for i in range(len(forms.A)) if i not in forms.moving]
     columns = []
-    for group in (forms.moving, [i for i in range(len(forms.A)) if i not in forms.moving]):
-        functions = ordered({mode for state, mode in reached if state in set(group)})
+    for group in (forms.moving, constant):
+        functions = ordered({mode for state, mode in reached if state in group})
         columns += [forms.column(state, mode) for mode in functions for state in group]
     return columns
-
-
-def _reached(forms: Forms, start: Iterable[int]) -> set[tuple[int, Mode]]:
-    """Return the pairs that D leads to, again and again."""
-    found = set(start)
-    waiting = sorted(found)
-    while waiting:
-        fresh = set(forms.column_rate(waiting.pop())) - found
-        found |= fresh
-        waiting += sorted(fresh)
-    return {forms.columns[k] for k in found}
 
 
 def functions_in(forms: Forms) -> list[Mode]:
@@ -77,7 +59,7 @@ def functions_in(forms: Forms) -> list[Mode]:
 
 def ordered(modes: Iterable[Mode]) -> list[Mode]:
     """Return modes in order."""
-    return sorted(modes, key=lambda mode: mode.rank)
+    return sorted(modes, key=lambda mode: mode.place)
 
 
 def kronecker(forms: Forms, writer: Writer, rank: int) -> Kronecker | None:

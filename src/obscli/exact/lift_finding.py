@@ -73,9 +73,11 @@ class Stationary:
     observable : the outputs alone, closed: as many variables as it takes
     same_order : as many variables as states, and a change of variables x = T(t) z; None: none found
     rank : of the observability matrix of the smallest lift, over the constants
-    chains : what each output gives, one derivative after the other
+    chains : what each output gives, one derivative after the other, those outputs first that give least by
+        themselves; none where the coefficients grow too large
     combinations : observable combinations of the states, from the stationary system
     agrees : whether they span the same as the observability matrix of the system itself, exactly
+    left_out : moving states that are not in the smallest lift, as what acts on them does not close
     """
 
     system: System
@@ -88,6 +90,7 @@ class Stationary:
     chains: tuple[Chain, ...]
     combinations: tuple[Covector, ...]
     agrees: bool
+    left_out: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from obscli.exact.closure import Span
 from obscli.exact.echelon import Echelon, polynomial_row, reduced_echelon
 from obscli.exact.lift_finding import Chain
 from obscli.exact.rows import dot, field_row
@@ -24,6 +23,8 @@ from obscli.exact.rows import dot, field_row
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from obscli.exact.closure import Span
+    from obscli.exact.closure_screen import Screen
     from obscli.exact.constant_span import Forms
     from obscli.exact.echelon import PolyRow
     from obscli.exact.exact_system import Row
@@ -32,15 +33,20 @@ if TYPE_CHECKING:
     from obscli.model.system import Covector
 
 
-def observed(forms: Forms, writer: Writer) -> tuple[Span, tuple[Chain, ...]]:
-    """Return the closure of the rows of H, which is known to close, and what each output brings to it."""
+def chains_of(forms: Forms, screen: Screen, writer: Writer) -> tuple[Chain, ...]:
+    """Return what each output brings, those first that show least by themselves.
+
+    Raises
+    ------
+    UndecidedError : the coefficients grow too large
+    """
     echelon = Echelon(forms.field, forms.order(range(len(forms.columns))))
     outputs = forms.modes.exact.system.outputs
-    chains = tuple(
-        Chain(output.name, tuple(writer.form(row)[0] for row in _chain(forms, echelon, start)))
-        for output, start in zip(outputs, forms.H, strict=True)
+    order = sorted(range(len(outputs)), key=lambda i: screen.dimension([forms.H[i]]))
+    return tuple(
+        Chain(outputs[i].name, tuple(writer.form(row)[0] for row in _chain(forms, echelon, forms.H[i])))
+        for i in order
     )
-    return Span(forms, {p: echelon.rows[p] for p in forms.order(echelon.rows)}), chains
 
 
 def _chain(forms: Forms, echelon: Echelon, start: Row) -> Iterator[PolyRow]:

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from obscli.exact.constant_span import Forms
     from obscli.exact.echelon import PolyRow
     from obscli.exact.exact_system import Row
-    from obscli.exact.exponential_polynomial import Mode
     from obscli.exact.lift_finding import Rows
+    from obscli.exact.mode import Mode
     from obscli.exact.restore import Restorer
     from obscli.model.expression import Expression
     from obscli.model.system import Covector, System
@@ -85,8 +85,9 @@ class Writer:
     def functions(self, modes: Sequence[Mode]) -> Functions:
         """Return modes, closed under differentiation, and S."""
         places = {mode: k for k, mode in enumerate(modes)}
-        S = ({places[other]: entry for other, entry in self._forms.modes.rate(mode)} for mode in modes)
-        return Functions(tuple(self._forms.modes.expression(mode) for mode in modes), self.matrix(S))
+        rates = (self._forms.modes.rate(mode) for mode in modes)
+        S = self.matrix({places[other]: entry for other, entry in rate} for rate in rates)
+        return Functions(tuple(map(self._forms.modes.expression, modes)), S)
 
     def matrix(self, rows: Iterable[Row]) -> Rows:
         """Return rows of constants as expressions."""

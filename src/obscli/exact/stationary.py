@@ -15,24 +15,28 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from obscli.exact.closure import Screen, closure
+from obscli.exact.closure import closure
+from obscli.exact.closure_screen import Screen
 from obscli.exact.constant_span import Forms
 from obscli.exact.errors import UndecidedError, UndefinedError
-from obscli.exact.exponential_polynomial import Modes, NotExponentialError
+from obscli.exact.exponential_polynomial import Expansion, NotExponentialError
 from obscli.exact.finding import Undecided
 from obscli.exact.kronecker import full_columns, functions_in, kronecker
 from obscli.exact.lift_finding import NotReducible, Obstacle, Stationary
-from obscli.exact.lift_observability import combinations, observed
+from obscli.exact.lift_observability import chains_of, combinations
 from obscli.exact.lift_writing import Writer
+from obscli.exact.modes import Modes
 from obscli.exact.prove import prove
 from obscli.exact.same_order import same_order
 
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
 
     from obscli.exact.exact_system import Row
-    from obscli.exact.exponential_polynomial import Mode
     from obscli.exact.field import Element
+    from obscli.exact.lift_finding import Chain
+    from obscli.exact.mode import Mode
     from obscli.exact.prove import Proof
     from obscli.model.system import System
 
@@ -61,15 +65,21 @@ def stationary_of(proof: Proof) -> Stationary | NotReducible:
 class _Search:
     def __init__(self, proof: Proof) -> None:
         self.proof, self.system = proof, proof.exact.system
-        self.modes = Modes(proof.exact, proof.restorer)
+        self.modes = Modes(proof.exact)
+        self.expansion = Expansion(self.modes, proof.restorer)
         self.obstacles: list[Obstacle] = []
 
     def run(self) -> Stationary | NotReducible:
+        """Expand the coefficients, see whether the outputs close, and find everything else."""
         A = self._expanded("A", self.proof.exact.A)
         H = self._expanded("H", self.proof.exact.H)
-        if self.obstacles:
-            return NotReducible(self.system, tuple(self.obstacles))
-        return self._reduced(Forms(self.modes, A, H))
+        if not self.obstacles:
+            forms = Forms(self.modes, A, H)
+            screen, most = Screen(forms), _most(forms)
+            if screen.closure(forms.H, most) is not None:
+                return self._stationary(forms, screen, most)
+            self.obstacles += self._growing(forms, most)
+        return NotReducible(self.system, tuple(self.obstacles))
 
     def _expanded(self, name: str, rows: tuple[Row, ...]) -> tuple[dict[int, dict[Mode, Element]], ...]:
         """Return the entries of a matrix as sums of modes, and note those that are none."""
@@ -78,57 +88,59 @@ class _Search:
             result.append({})
             for j, entry in row.items():
                 try:
-                    result[-1][j] = self.modes.expand(entry)
+                    result[-1][j] = self.expansion(entry)
                 except NotExponentialError as error:
                     self.obstacles.append(self._obstacle(name, i, j, str(error)))
         return tuple(result)
 
     def _obstacle(self, name: str, i: int, j: int, reason: str) -> Obstacle:
-        rows = self.system.state_names if name == "A" else tuple(one.name for one in self.system.outputs)
-        place = (self.system.A if name == "A" else self.system.H).places.get((i, j))
+        matrix, rows = self.system.A, self.system.state_names
+        if name == "H":
+            matrix, rows = self.system.H, tuple(output.name for output in self.system.outputs)
+        place = matrix.places.get((i, j))
         return Obstacle(f"{name}[{rows[i]}, {self.system.state_names[j]}]", str(place or ""), reason)
 
-    def _reduced(self, forms: Forms) -> Stationary | NotReducible:
-        screen = Screen(forms)
-        most = self._most(forms)
-        if screen.closure(forms.H, most) is None:
-            return NotReducible(self.system, self._growing(forms, "outputs", most))
+    def _growing(self, forms: Forms, most: int) -> Iterator[Obstacle]:
+        """Yield the entries of A that vary and act on states that move."""
+        reason = (
+            "multiplies a state that moves, and with every derivative of the outputs new functions of time "
+            f"come in: more than {most} variables did not hold them"
+        )
+        for i in forms.moving:
+            for j, entry in forms.A[i].items():
+                if j in forms.moving and set(entry) != {self.modes.one}:
+                    yield self._obstacle("A", i, j, reason)
+
+    def _stationary(self, forms: Forms, screen: Screen, most: int) -> Stationary:
         closing = [i for i in forms.moving if screen.closure([forms.state(i)], most) is not None]
         wanted = [forms.state(i) for i in closing] + list(forms.H)
-        screen.closure(wanted, 2 * most)
         writer = Writer(forms, self.proof.restorer)
-        seen, chains = observed(forms, writer)
+        seen = closure(forms, forms.H, screen.dimension(forms.H))
         found, agrees = combinations(self.proof, seen)
         same = same_order(forms, screen)
         return Stationary(
             system=self.system,
             functions=writer.functions(functions_in(forms)),
             full=kronecker(forms, writer, seen.dimension),
-            smallest=writer.lift(closure(forms, wanted)),
+            smallest=writer.lift(closure(forms, wanted, screen.dimension(wanted))),
             observable=writer.lift(seen),
             same_order=None if same is None else writer.lift(same),
             rank=seen.dimension,
-            chains=chains,
+            chains=_chains(forms, screen, writer),
             combinations=found,
             agrees=agrees,
+            left_out=tuple(self.system.state_names[i] for i in forms.moving if i not in closing),
         )
 
-    def _most(self, forms: Forms) -> int:
-        """Return how many dimensions a space may have: of the full lift, where there is one."""
-        columns = full_columns(forms)
-        if columns is not None:
-            return len(columns)
-        return min(_MOST, 4 * len(forms.A) * len(functions_in(forms)))
 
-    def _growing(self, forms: Forms, what: str, most: int) -> tuple[Obstacle, ...]:
-        """Return the entries of A that vary and act on moving states."""
-        reason = (
-            f"acts on a state that moves, and the derivatives of the {what} bring ever new functions of time: "
-            f"more than {most} variables would not do"
-        )
-        return tuple(
-            self._obstacle("A", i, j, reason)
-            for i in forms.moving
-            for j, entry in forms.A[i].items()
-            if j in forms.moving and set(entry) != {self.modes.one}
-        )
+def _most(forms: Forms) -> int:
+    """Return how many dimensions a space may have: as many as the full lift, where there is one."""
+    columns = full_columns(forms)
+    return min(_MOST, 4 * len(forms.A) * len(functions_in(forms))) if columns is None else len(columns)
+
+
+def _chains(forms: Forms, screen: Screen, writer: Writer) -> tuple[Chain, ...]:
+    try:
+        return chains_of(forms, screen, writer)
+    except UndecidedError:
+        return ()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from obscli.exact.finding import Undecided
 from obscli.exact.lift_finding import Lift, NotReducible
@@ -11,9 +11,14 @@ from obscli.model.expression import ONE, symbols
 
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from obscli.exact.lift_finding import Obstacle, Rows
     from obscli.model.expression import Expression
     from obscli.model.system import Matrix, System
+
+#: So many entries that stand in the way are named.
+_SHOWN: Final = 2
 
 
 def lift_of(system: System) -> Lift | str:
@@ -24,8 +29,13 @@ def lift_of(system: System) -> Lift | str:
     if isinstance(found, Undecided):
         return f"whether it is reducible is undecided: {found.reason}"
     if isinstance(found, NotReducible):
-        return f"not reducible: {'; '.join(map(_words, found.obstacles))}"
-    return found.smallest
+        return f"not reducible: {_words(found.obstacles)}"
+    lift = found.smallest
+    entries = (entry for row in (*lift.variables, *lift.A, *lift.H) for entry in row.values())
+    unknown = sorted(symbols(*entries) & {function.name for function in system.functions})
+    if unknown:
+        return f"its stationary system depends on {', '.join(unknown)}, of which the file gives no value"
+    return lift
 
 
 def itself(system: System) -> Lift:
@@ -46,6 +56,9 @@ def _rows(matrix: Matrix) -> Rows:
     return tuple(rows)
 
 
-def _words(obstacle: Obstacle) -> str:
-    where = f" ({obstacle.place})" if obstacle.place else ""
-    return f"{obstacle.entry}{where}: {obstacle.reason}"
+def _words(obstacles: Sequence[Obstacle]) -> str:
+    shown = [
+        f"{one.entry}{f' ({one.place})' if one.place else ''}: {one.reason}" for one in obstacles[:_SHOWN]
+    ]
+    more = len(obstacles) - len(shown)
+    return "; ".join([*shown, f"and {more} more"] if more else shown)

@@ -5,7 +5,7 @@ iteration, and near the identity, with Gauss–Legendre nodes x_j and weights w_
 
     log(I + E) = ∫_0^1 E (I + x E)⁻¹ dx = Σ_j w_j E (I + x_j E)⁻¹
 
-Roots near the identity lose digits, which come back with X ← X + log(e^{−X} A), since X and A commute.
+Each root costs a bit of what is known of A − I: a few for a balanced matrix (determinant of modulus 1).
 
 References
 ----------
@@ -17,7 +17,6 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from scipy.linalg import expm
 
 from obscli.numeric.collocation import gauss_legendre
 from obscli.numeric.errors import NotComputableError
@@ -30,7 +29,6 @@ _NODES: Final = 9
 
 _ROOTS: Final = 60
 _ITERATIONS: Final = 60
-_CORRECTIONS: Final = 2
 
 
 def real_logarithm(A: Array) -> Array:
@@ -41,16 +39,6 @@ def real_logarithm(A: Array) -> Array:
     NotComputableError
         where A is singular, or has an eigenvalue on the negative real axis, but for rounding
     """
-    X = _by_roots(A)
-    for _ in range(_CORRECTIONS):
-        rest = expm(-X) @ A
-        if not np.linalg.norm(rest - np.eye(len(A))) < _NEAR:
-            break
-        X = X + _near_identity(rest)
-    return X
-
-
-def _by_roots(A: Array) -> Array:
     root, k = A, 0
     while not np.linalg.norm(root - np.eye(len(A))) < _NEAR:
         if k == _ROOTS:

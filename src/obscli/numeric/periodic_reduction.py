@@ -23,7 +23,7 @@ from obscli.numeric.program import Array
 
 
 #: Angles nearer to π than this, or than so many of their errors, are too near to the negative real axis.
-_NEAR_AXIS: Final = 1e-3
+_NEAR_AXIS: Final = 1e-2
 _ERRORS: Final = 10.0
 
 
