@@ -14,7 +14,7 @@ from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.exact_system import ExactSystem, read_system
 from obscli.exact.field import Element
 from obscli.exact.hidden_dynamics import is_constant
-from obscli.exact.reduced import Coordinates, Rows
+from obscli.exact.reduced import Coordinates
 from obscli.exact.rows import combined, dot
 from obscli.model.expression import Expression, add, is_zero, multiply, power
 from obscli.model.system import Matrix, Noise, System
@@ -23,7 +23,7 @@ from obscli.model.written import expanded_size
 
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from obscli.exact.exact_system import Row
 
@@ -64,7 +64,7 @@ def carried_noise(coordinates: Coordinates, names: Sequence[str]) -> CarriedNois
     return replace(carried, noise=carried.noise and replace(carried.noise, P0=P0), notes=notes)
 
 
-def matrix_of(rows: Rows, columns: int) -> Matrix:
+def matrix_of(rows: Sequence[Mapping[int, Expression]], columns: int) -> Matrix:
     """Return sparse rows as a matrix."""
     return Matrix(
         len(rows), columns, {(i, j): entry for i, row in enumerate(rows) for j, entry in row.items()}

@@ -49,7 +49,7 @@ def not_reducible_data(form: NoStationaryForm) -> dict[str, object]:
     floquet = form.floquet
     numbers = None
     if floquet is not None and not isinstance(floquet, NotComputed):
-        from obscli.pipelines.describe.floquet import floquet_data  # noqa: PLC0415 - floating point
+        from obscli.pipelines.floquet_data import floquet_data  # noqa: PLC0415 - floating point
 
         numbers = floquet_data(floquet)
     return {

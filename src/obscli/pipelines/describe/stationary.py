@@ -22,7 +22,7 @@ from obscli.core.document import (
     plain,
 )
 from obscli.core.number import counted
-from obscli.exact.lift_finding import Functions, Lift, Stationary
+from obscli.exact.lift_finding import Functions, Lift, Obstacle, Stationary
 from obscli.model.expression import Expression
 from obscli.model.notation import covector_latex, covector_text, latex_name, to_latex, to_text
 from obscli.model.system import Covector
@@ -37,6 +37,9 @@ from obscli.pipelines.transform_result import NoStationaryForm, StationaryForm, 
 
 VARIABLE_COLUMNS: Final = (Column("variable"), Column("is", breaks=True))
 FORMULA_COLUMNS: Final = (Column(breaks=True),)
+
+#: So many entries that stand in the way for the same reason are named.
+MOST_ENTRIES: Final = 4
 
 
 def stationary_blocks(result: TransformResult, form: StationaryForm) -> Iterator[Block]:
@@ -76,25 +79,30 @@ def _varies(functions: Functions) -> bool:
     return any(functions.S)
 
 
-def not_reducible_blocks(result: TransformResult, form: NoStationaryForm) -> Iterator[Block]:
+def not_reducible_blocks(form: NoStationaryForm) -> Iterator[Block]:
     """Yield what stands in the way; of a periodic system what Floquet and Lyapunov give in numbers."""
     yield VerdictLine("open", plain("not reducible in this way: no finite stationary system was found"))
-    yield Listing(
-        tuple(
-            (
-                Text(one.entry, "name"),
-                Text(f": {one.reason}"),
-                Text(f" ({one.place})" if one.place else "", "faint"),
-            )
-            for one in form.found.obstacles
-        )
-    )
+    entries: dict[str, list[Obstacle]] = {}
+    for one in form.found.obstacles:
+        entries.setdefault(one.reason, []).append(one)
+    yield Listing(tuple(_obstacle(reason, same) for reason, same in entries.items()))
+    if form.floquet is None:
+        return
+    yield Heading(2, plain("Floquet and Lyapunov"))
     if isinstance(form.floquet, NotComputed):
-        yield Note("note", plain(f"periodic, but no Floquet–Lyapunov form: {form.floquet.reason}"))
-    elif form.floquet is not None:
-        from obscli.pipelines.describe.floquet import floquet_blocks  # noqa: PLC0415 - floating point
+        yield Note("note", plain(f"periodic, but no constant equivalent in numbers: {form.floquet.reason}"))
+        return
+    from obscli.pipelines.describe.floquet import floquet_blocks  # noqa: PLC0415 - floating point
 
-        yield from floquet_blocks(result.system, form.floquet)
+    yield from floquet_blocks(form.floquet)
+
+
+def _obstacle(reason: str, same: Sequence[Obstacle]) -> Inline:
+    """Name the entries that the same thing is wrong with, and where the first of them stands."""
+    named = ", ".join(one.entry for one in same[:MOST_ENTRIES])
+    more = f" and {len(same) - MOST_ENTRIES} more" if len(same) > MOST_ENTRIES else ""
+    place = f" ({same[0].place})" if same[0].place else ""
+    return (Text(f"{reason}: "), Text(f"{named}{more}", "name"), Text(place, "faint"))
 
 
 def _summary(result: TransformResult, found: Stationary) -> str:

@@ -66,7 +66,7 @@ def _stage_blocks(result: TransformResult, *, first: bool) -> Iterator[Block]:
         case StationaryForm() as found:
             yield from stationary_blocks(result, found)
         case NoStationaryForm() as found:
-            yield from not_reducible_blocks(result, found)
+            yield from not_reducible_blocks(found)
         case NothingLeft(reason):
             yield VerdictLine("bad", plain(f"{reason}: no model is left"))
         case Transformed() as found:
