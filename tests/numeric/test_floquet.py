@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import block_diag, expm
 
-from obscli.numeric.errors import UnfitRequestError
+from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.floquet import floquet
 
@@ -217,6 +217,25 @@ def test_the_units_of_the_states_do_not_matter(system):
     assert scaled.equivalent.condition == pytest.approx(plain.equivalent.condition, rel=1e-9)
 
 
+def test_far_from_zero_the_errors_know_how_instants_are_rounded(system):
+    """Beside 1e7 instants are 2e-9 apart: so much may the period be off."""
+    B = np.array([[-1.0, 2.0], [-2.0, 0.5]])
+    found = floquet(system(written(B)), 1e7, 0.7)
+    assert (np.abs(found.monodromy - exponential(B, 0.7)) <= found.monodromy_error).all()
+    assert (found.monodromy_error < 1e-7).all()
+    assert (np.abs(found.equivalent.R - B) <= found.equivalent.R_error).all()
+
+
+def test_states_of_unlike_size_need_no_scale(system):
+    """An oscillator of 100 rad/s, its position in metres, as accurate as in units that balance it."""
+    unlike = floquet(system(written([["0", "1"], ["-10000*(1 + cos(t)/2)", "0"]])), 0.0, 2 * np.pi)
+    alike = floquet(system(written([["0", "100"], ["-100*(1 + cos(t)/2)", "0"]])), 0.0, 2 * np.pi)
+    assert unlike.equivalent.condition < 2 * alike.equivalent.condition
+    D = np.array([1.0, 100.0])
+    np.testing.assert_allclose(unlike.monodromy, alike.monodromy * D[:, None] / D, rtol=1e-9)
+    assert max(one.error for one in unlike.modes) < 10 * max(one.error for one in alike.modes)
+
+
 def test_constant_states_stay_themselves(system):
     A = [["sin(t) - 1", "cos(t)", "1"], ["0", "0", "0"], ["0", "0", "0"]]
     found = floquet(system(written(A)), 0, 2 * np.pi)
@@ -244,6 +263,11 @@ def test_where_neither_one_nor_two_periods_have_a_logarithm_that_is_said(system)
     assert isinstance(found.equivalent, NotComputed)
     assert "negative real axis" in found.equivalent.reason
     assert sorted(abs(one) for one in found.multipliers) == pytest.approx([1, 1, 1, 1])
+
+
+def test_growth_beyond_all_numbers_is_named(system):
+    with pytest.raises(NotComputableError, match="beyond the largest number within a period"):
+        floquet(system(written([["200 + sin(t)"]])), 0.0, 2 * np.pi)
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ That a space is closed is this identity, exactly. Whether one closes at all is f
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from obscli.exact.echelon import Echelon, polynomial_row
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from obscli.exact.field import Element
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Span:
     """A closed space of forms by its reduced echelon form: pivot → row, pivots in order."""
 
@@ -35,17 +36,17 @@ class Span:
         """Its dimension over the constants."""
         return len(self.rows)
 
+    @cached_property
+    def basis(self) -> dict[int, Row]:
+        """The rows as forms, by pivot."""
+        return {p: field_row(self.forms.field, row) for p, row in self.rows.items()}
+
     def coordinates(self, form: Row) -> dict[int, Element] | None:
         """Return a form by the rows, by pivot; None: it is not in the space."""
         field = self.forms.field
-        found = {}
-        terms = [(field.one, form)]
-        for p in form:
-            if p in self.rows:
-                row = field_row(field, self.rows[p])
-                found[p] = form[p] / row[p]
-                terms.append((-found[p], row))
-        return None if combined(field, terms) else found
+        found = {p: entry / self.basis[p][p] for p, entry in form.items() if p in self.basis}
+        rest = combined(field, [(field.one, form), *((-c, self.basis[p]) for p, c in found.items())])
+        return None if rest else found
 
 
 def closure(forms: Forms, rows: Sequence[Row], dimension: int) -> Span:

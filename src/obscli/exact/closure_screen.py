@@ -50,9 +50,14 @@ class Screen:
             raise UndecidedError("no point was found at which the coefficients exist") from None
         return {k: value for k, value in found.items() if value}
 
-    def closure(self, rows: Iterable[Row], most: int) -> dict[int, Values] | None:
-        """Return an echelon form of the closure; None: it has more than so many dimensions."""
-        echelon: dict[int, Values] = {}
+    def closure(
+        self, rows: Iterable[Row], most: int, known: Mapping[int, Values] | None = None
+    ) -> dict[int, Values] | None:
+        """Return an echelon form of the closure; None: it has more than so many dimensions.
+
+        ``known``: that of a closed space, which the rows are added to.
+        """
+        echelon = dict(known or {})
         waiting = [self.values(row) for row in rows]
         while waiting:
             fresh = insert(echelon, waiting.pop(0))

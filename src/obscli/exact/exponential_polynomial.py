@@ -20,7 +20,7 @@ from obscli.exact.field import Element
 from obscli.exact.hidden_dynamics import is_constant, occurring
 from obscli.exact.mode import Mode, harmonics, mode_product
 from obscli.exact.polynomial import require_small
-from obscli.model.expression import symbols
+from obscli.model.expression import ONE, divide, symbols
 from obscli.model.notation import to_text
 
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from obscli.exact.modes import Modes
     from obscli.exact.polynomial import Polynomial
     from obscli.exact.restore import Restorer
+    from obscli.model.expression import Expression
 
 #: Higher powers of the cosine of one angle are not written as sums.
 _HIGHEST: Final = 400
@@ -80,17 +81,15 @@ class Expansion:
             rest, count = _divided(rest, ctx.gen(k))
             shifts.append(count)
         if not is_constant(self._field, {0: Element(self._field, rest, self._field.one_polynomial)}):
-            written = to_text(self._restorer.polynomial(rest))
-            raise NotExponentialError(
-                _none_of_them(f"1/{written}" if written.isidentifier() else f"1/({written})")
-            )
+            raise NotExponentialError(_none_of_them(divide(ONE, self._restorer.polynomial(rest))))
         return rest, tuple(halves), tuple(shifts)
 
     def _require_finite(self, element: Element, halves: tuple[int, ...]) -> None:
         """Refuse tan(θ/2) itself: a pole at θ = π."""
         degrees = element.num.degrees()
-        if any(degrees[k] > 2 * half for k, half in zip(self._modes.angles, halves, strict=True)):
-            raise NotExponentialError(_none_of_them(to_text(self._restorer.element(element))))
+        for k, half in zip(self._modes.angles, halves, strict=True):
+            if degrees[k] > 2 * half:
+                raise NotExponentialError(_none_of_them(self._field.generators[k].meaning))
         require_small(max(halves, default=0), _HIGHEST)
 
     def _require_known(self, element: Element) -> None:
@@ -109,7 +108,7 @@ class Expansion:
         if generator.kind in {"angle", "exponential"}:
             name = "sin, cos" if generator.kind == "angle" else "exp"
             return f"{name} of {to_text(inside)}, which does not grow at a constant rate"
-        return _none_of_them(to_text(generator.meaning))
+        return _none_of_them(generator.meaning)
 
     def _grouped(
         self, polynomial: Polynomial
@@ -159,5 +158,5 @@ def _by_rule(function: str) -> str:
     return f"{function} is a function given by its derivative, not as an expression in time"
 
 
-def _none_of_them(text: str) -> str:
-    return f"{text} is no polynomial, exponential, sine or cosine of time, nor a product of them"
+def _none_of_them(function: Expression) -> str:
+    return f"{to_text(function)} is no polynomial, exponential, sine or cosine of time, nor a product of them"

@@ -53,7 +53,8 @@ class Lift:
 class Chain:
     """ζ_1, ζ_2, … from one output: ζ_1 is it, ζ_k' a constant times ζ_(k+1), and what was seen before.
 
-    ``output``: its name; ``forms``: ζ_k in the states.
+    ``output``: its name; ``forms``: ζ_k in the states, up to constant factors; none where the outputs before
+    it show everything that it shows.
     """
 
     output: str

@@ -64,7 +64,7 @@ def _chain(forms: Forms, echelon: Echelon, start: Row) -> Iterator[PolyRow]:
 def combinations(proof: Proof, span: Span) -> tuple[tuple[Covector, ...], bool]:
     """Return a basis over the field of a space of forms, and whether it spans the rows of L."""
     field = proof.exact.field
-    rows = [span.forms.over_the_field(field_row(field, row)) for row in span.rows.values()]
+    rows = [span.forms.over_the_field(row) for row in span.basis.values()]
     polynomial = [polynomial_row(field, row) for row in rows]
     echelon = reduced_echelon(field, polynomial, range(proof.exact.n))
     agrees = len(echelon) == proof.rank and not _sees(proof, rows)

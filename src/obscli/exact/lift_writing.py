@@ -14,7 +14,6 @@ from obscli.exact.errors import UndecidedError
 from obscli.exact.field import Element
 from obscli.exact.lift_finding import Functions, Lift
 from obscli.exact.reduced import written
-from obscli.exact.rows import field_row
 from obscli.model.expression import add, multiply
 from obscli.model.variables import is_state, taken_names
 
@@ -65,7 +64,8 @@ class Writer:
         """
         forms, field = self._forms, self._forms.field
         places = {p: k for k, p in enumerate(span.rows)}
-        covectors, scales = zip(*(self.form(row) for row in span.rows.values()), strict=True)
+        variables = [self.form(row) for row in span.rows.values()]
+        covectors, scales = [form for form, _ in variables], [scale for _, scale in variables]
 
         def in_z(form: Row, scale: Element) -> Mapping[int, Expression]:
             found = span.coordinates(form)
@@ -74,11 +74,11 @@ class Writer:
             entries = {places[p]: entry * scale / scales[places[p]] for p, entry in found.items()}
             return {k: written(self._restorer, entries[k]) for k in sorted(entries)}
 
-        rates = [forms.rate(field_row(field, row)) for row in span.rows.values()]
+        rates = map(forms.rate, span.basis.values())
         return Lift(
             names=variable_names(self._exact.system, covectors),
             variables=tuple(covectors),
-            A=tuple(in_z(rate, scale) for rate, scale in zip(rates, scales, strict=True)),
+            A=tuple(map(in_z, rates, scales)),
             H=tuple(in_z(row, field.one) for row in forms.H),
         )
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from obscli.exact.closure import Span
-    from obscli.exact.closure_screen import Screen
+    from obscli.exact.closure_screen import Screen, Values
     from obscli.exact.constant_span import Forms
     from obscli.exact.exact_system import Row
     from obscli.exact.mode import Mode
@@ -37,14 +37,14 @@ _LARGEST: Final = 150
 def same_order(forms: Forms, screen: Screen) -> Span | None:
     """Return a closed space of forms that is a change of variables; None: none was found."""
     n = len(forms.A)
-    for candidates in (_states, _modes):
+    for candidates in (_all_states, _states, _modes):
         chosen = _Chosen(screen, n)
         if not chosen.add(forms.H):
             return None
         for candidate in candidates(forms, screen):
             if chosen.size == n:
                 break
-            chosen.add([candidate])
+            chosen.add(candidate)
         if chosen.size == n:
             return closure(forms, chosen.generators, n)
     return None
@@ -58,32 +58,44 @@ class _Chosen:
 
     def __init__(self, screen: Screen, most: int) -> None:
         self._screen, self._most = screen, most
+        self._closure: dict[int, Values] = {}
         self.generators: list[Row] = []
-        self.size = 0
+
+    @property
+    def size(self) -> int:
+        """The dimension of the space."""
+        return len(self._closure)
 
     def add(self, forms: Sequence[Row]) -> bool:
         """Take in what forms generate, if it adds as much to the rank as to the dimension."""
-        more = [*self.generators, *forms]
-        found = self._screen.closure(more, self._most)
+        found = self._screen.closure(forms, self._most, self._closure)
         if found is None or self._screen.rank_over_the_field(found.values()) < len(found):
             return False
         if len(found) > self.size:
-            self.generators, self.size = more, len(found)
+            self.generators += forms
+            self._closure = found
         return True
 
 
-def _states(forms: Forms, screen: Screen) -> Iterator[Row]:
-    """Yield the states."""
+def _all_states(forms: Forms, screen: Screen) -> Iterator[Sequence[Row]]:
+    """Yield all states together: enough where nothing varies."""
     del screen
-    yield from map(forms.state, range(len(forms.A)))
+    yield [forms.state(i) for i in range(len(forms.A))]
 
 
-def _modes(forms: Forms, screen: Screen) -> Iterator[Row]:
+def _states(forms: Forms, screen: Screen) -> Iterator[Sequence[Row]]:
+    """Yield the states one by one."""
+    del screen
+    for i in range(len(forms.A)):
+        yield [forms.state(i)]
+
+
+def _modes(forms: Forms, screen: Screen) -> Iterator[Sequence[Row]]:
     """Yield the modes of D, long chains before the forms that these lead to, then the states."""
     functions = _functions(forms)
     if len(functions) * len(forms.A) <= _LARGEST:
-        modes = list(modes_of_rate(forms, largest_closed(forms, functions)))
-        yield from sorted(modes, key=lambda mode: -screen.dimension([mode]))
+        modes = [[mode] for mode in modes_of_rate(forms, largest_closed(forms, functions))]
+        yield from sorted(modes, key=lambda mode: -screen.dimension(mode))
     yield from _states(forms, screen)
 
 

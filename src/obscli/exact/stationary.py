@@ -112,7 +112,9 @@ class _Search:
                     yield self._obstacle("A", i, j, reason)
 
     def _stationary(self, forms: Forms, screen: Screen, most: int) -> Stationary:
-        closing = [i for i in forms.moving if screen.closure([forms.state(i)], most) is not None]
+        closing = [
+            i for i in forms.moving if forms.closes or screen.closure([forms.state(i)], most) is not None
+        ]
         wanted = [forms.state(i) for i in closing] + list(forms.H)
         writer = Writer(forms, self.proof.restorer)
         seen = closure(forms, forms.H, screen.dimension(forms.H))

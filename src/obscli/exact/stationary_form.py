@@ -31,7 +31,8 @@ def lift_of(system: System) -> Lift | str:
     if isinstance(found, NotReducible):
         return f"not reducible: {_words(found.obstacles)}"
     lift = found.smallest
-    entries = (entry for row in (*lift.variables, *lift.A, *lift.H) for entry in row.values())
+    entries = [entry for form in lift.variables for entry in form.values()]
+    entries += [entry for row in (*lift.A, *lift.H) for entry in row.values()]
     unknown = sorted(symbols(*entries) & {function.name for function in system.functions})
     if unknown:
         return f"its stationary system depends on {', '.join(unknown)}, of which the file gives no value"

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.linalg import expm
+from scipy.linalg import expm, matrix_balance
 
 from obscli.model.system import System
 from obscli.numeric.analysis import affordable_steps
@@ -77,7 +77,7 @@ class Equivalent:
     P : x = P z at the instants, shape (k, n, n)
     outputs : H P at the instants, y = H P z, shape (k, m, n)
     residual : the largest failure of P and R on the next period, and of P to return, relative
-    condition : the largest condition of P, states in units of their scale
+    condition : the largest condition of P, states in units of their scale, or balanced where they have none
     """
 
     R: Array
@@ -143,19 +143,21 @@ def floquet(system: System, start: float, period: float, samples: int = SAMPLES)
     numeric = NumericSystem(system, start, start + 2 * period)
     instants = start + period * np.linspace(0.0, 1.0, samples + 1)
     _refuse_aperiodic(numeric, instants, period)
-    units = units_of(system)
+    units = _units(numeric, instants)
     effort = Effort(_STEP_ERROR, affordable_steps(numeric))
     longest = longest_step(rates_of(numeric, np.linspace(start, instants[-1], _PROBES)[1:-1]))
     steps = steps_between(numeric, instants, longest, effort, units)
     whole = product(steps)
     if not np.isfinite(whole.matrix).all():
-        raise NotComputableError("solutions grow beyond the largest number within a period")
+        raise NotComputableError(
+            "solutions grow beyond the largest number within a period: leave out the states that do"
+        )
     spectrum = product_spectrum(
         [one.matrix for one in steps], [one.relative_error for one in steps], eigenvalues=True
     )
     try:
         other = steps_between(numeric, instants + period, _OTHER_STEPS * longest, effort, units)
-        equivalent: Equivalent | NotComputed = _equivalent(numeric, instants, steps, other, spectrum)
+        equivalent: Equivalent | NotComputed = _equivalent(numeric, instants, units, (steps, other), spectrum)
     except (NotComputableError, np.linalg.LinAlgError) as error:
         equivalent = NotComputed(str(error))
     ratio = units[:, None] / units
@@ -168,6 +170,16 @@ def floquet(system: System, start: float, period: float, samples: int = SAMPLES)
         tuple(_modes(system, spectrum, units, period)),
         equivalent,
     )
+
+
+def _units(numeric: NumericSystem, t: Array) -> Array:
+    """Return the sizes of the states: the file's where it gives them, else those that balance |A|, (n,)."""
+    given = units_of(numeric.system)
+    if (given != 1).any():
+        return given
+    size = np.zeros((numeric.n, numeric.n))
+    size[numeric.moving] = np.abs(numeric.matrices(t)[0]).mean(axis=0)
+    return np.asarray(matrix_balance(size, permute=False, separate=True)[1][0], dtype=float)
 
 
 def _refuse_aperiodic(numeric: NumericSystem, instants: Array, period: float) -> None:
@@ -184,9 +196,19 @@ def _refuse_aperiodic(numeric: NumericSystem, instants: Array, period: float) ->
 
 
 def _equivalent(
-    numeric: NumericSystem, instants: Array, steps: Sequence[Step], other: Sequence[Step], spectrum: Spectrum
+    numeric: NumericSystem,
+    instants: Array,
+    units: Array,
+    steps_of: tuple[Sequence[Step], Sequence[Step]],
+    spectrum: Spectrum,
 ) -> Equivalent:
-    """Return the stationary system, tried on the steps of the next period; raises where it does not stand."""
+    """Return the stationary system; raises where it does not stand.
+
+    Parameters
+    ----------
+    steps_of : the period, and the next one, on which the result is tried
+    """
+    steps, other = steps_of
     found, error = _with_error(steps, spectrum)
     R, still = found.R, numeric.constant_states
     R[still] = error[still] = 0
@@ -200,7 +222,6 @@ def _equivalent(
     residual = max(found.closing, _tried(P, R, instants, other))
     if not residual <= _RESIDUAL:
         raise NotComputableError(_unresolved(f"the residual is {residual:.1e}"))
-    units = units_of(numeric.system)
     ratio = units[:, None] / units
     t = np.concatenate([instants[j > 0 :] + j * T for j in turns])
     return Equivalent(

@@ -11,7 +11,7 @@ All in units D of the states: D⁻¹ Φ D.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -63,6 +63,7 @@ def steps_between(
         if one.stop in ends:
             found += _merged(part)
             part = []
+    found[-1] = _rounded_end(system, found[-1], units)
     return found
 
 
@@ -78,6 +79,14 @@ def product(steps: Sequence[Step]) -> Step:
             error += np.abs(after) @ local @ np.abs(first)
             after = after @ one.matrix
     return Step(steps[0].start, steps[-1].stop, before[-1], error)
+
+
+def _rounded_end(system: NumericSystem, step: Step, units: Array) -> Step:
+    """Return the step whose end is known but for the rounding of its instant, Φ' = A Φ."""
+    A = np.zeros_like(step.matrix)
+    A[system.moving] = np.abs(system.matrices(np.array([step.stop]))[0][0])
+    moved = np.spacing(abs(step.stop)) * (A * units / units[:, None]) @ np.abs(step.matrix)
+    return replace(step, error=step.error + moved)
 
 
 def _merged(steps: Sequence[Step]) -> list[Step]:
