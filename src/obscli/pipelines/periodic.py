@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.period import period
 from obscli.exact.prove import prove
+from obscli.model.specialise import at_nominal
 from obscli.model.system import System
 
 
@@ -29,6 +30,6 @@ def periodic_form(system: System) -> Floquet | NotComputed | None:
     from obscli.numeric.horizon import Wanted, horizon_of  # noqa: PLC0415
 
     try:
-        return floquet(system, horizon_of(system, Wanted()).start, found)
+        return floquet(at_nominal(system).system(), horizon_of(system, Wanted()).start, found)
     except NotComputableError as error:
         return NotComputed(str(error))
