@@ -8,7 +8,10 @@ from scipy.linalg import block_diag, expm
 
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import NotComputed
-from obscli.numeric.floquet import floquet
+from obscli.numeric.floquet import _tried, floquet
+from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.periodic_steps import steps_between
+from obscli.numeric.settings import Effort
 
 
 J = np.array([[0.0, -1.0], [1.0, 0.0]])
@@ -263,6 +266,20 @@ def test_where_neither_one_nor_two_periods_have_a_logarithm_that_is_said(system)
     assert isinstance(found.equivalent, NotComputed)
     assert "negative real axis" in found.equivalent.reason
     assert sorted(abs(one) for one in found.multipliers) == pytest.approx([1, 1, 1, 1])
+
+
+@pytest.mark.parametrize("wrong", [1e-9, 1e-6, 1e-3])
+def test_the_residual_sees_a_wrong_equivalent_and_a_wrong_factor(system, wrong):
+    """z' = (R + δ) z fails on the next period by about δ T over the samples, P + δ by about δ."""
+    numeric = NumericSystem(system(written(MATHIEU)), 0.0, 2 * np.pi)
+    found = floquet(numeric.system, 0.0, np.pi, samples=4).equivalent
+    period = found.instants[:5]
+    other = steps_between(numeric, period + np.pi, 0.5, Effort(1e-13, 1000), np.ones(2))
+    assert _tried(found.P, found.R, period, other) < 1e-13
+    assert wrong / 10 < _tried(found.P, found.R + wrong * J, period, other) < 10 * wrong
+    bent = found.P.copy()
+    bent[2] = bent[2] @ (np.eye(2) + wrong * np.array([[0, 1], [0, 0]]))
+    assert wrong / 10 < _tried(bent, found.R, period, other) < 10 * wrong
 
 
 def test_growth_beyond_all_numbers_is_named(system):

@@ -34,7 +34,9 @@ def test_the_reduction_is_said_with_its_figures(wu):
     assert [row[0][0][0].text for row in multipliers.rows] == expected
     assert verdict.kind == "good"
     said = verdict.content[0].text
-    assert "P(t) of period 1.0472 (two periods of A, a multiplier being negative)" in said
+    assert (
+        "P(t) of period 1.0472 (two periods of A: a multiplier is on the negative real axis, or near)" in said
+    )
     assert "z' = R z; residual over the next period" in said
     # entries that are only rounding are 0
     assert [cell[0][0].text for cell in equivalent.rows[0]] == ["z_x'", "-1", "0", "0"]

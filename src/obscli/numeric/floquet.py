@@ -21,7 +21,6 @@ V. M. Starzhinskii, Linear Differential Equations with Periodic Coefficients (19
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -31,6 +30,7 @@ from obscli.model.system import System
 from obscli.numeric.analysis import affordable_steps
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import FloquetMode, NotComputed
+from obscli.numeric.floquet_finding import Equivalent, Floquet
 from obscli.numeric.hidden_motion import named, units_of
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.periodic_reduction import Reduction, periods_of, reduction
@@ -52,8 +52,10 @@ _PROBES: Final = 18
 #: The steps that the result is tried with are shorter by this.
 _OTHER_STEPS: Final = 0.7
 
-#: Entries of A that differ by more than this, relative to the largest of all, do not repeat themselves.
+#: Entries of A that differ by more than this, relative to the largest of all, and by more than so many times
+#: their rounding, do not repeat themselves.
 _REPEATS: Final = 1e-8
+_ROUNDINGS: Final = 10.0
 
 #: A residual beyond this, or an error of R beyond this part of its size, says that R is not resolved.
 _RESIDUAL: Final = 1e-6
@@ -63,61 +65,6 @@ _TRIES: Final = 4
 _SEED: Final = 18_830_101
 
 _LARGEST: Final = float(np.finfo(float).max)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Equivalent:
-    """The stationary system z' = R z, x = P(t) z, in the file's units.
-
-    Parameters
-    ----------
-    R : real, shape (n, n), 1/(unit of time); ``R_error`` : what it may be wrong by, shape (n, n)
-    doubled : P repeats itself after two periods, not one
-    instants : evenly from t0 over the period of P, both ends, shape (k,)
-    P : x = P z at the instants, shape (k, n, n)
-    outputs : H P at the instants, y = H P z, shape (k, m, n)
-    residual : the largest failure of P and R on the next period, and of P to return, relative
-    condition : the largest condition of P, states in units of their scale, or balanced where they have none
-    """
-
-    R: Array
-    R_error: Array
-    doubled: bool
-    instants: Array
-    P: Array
-    outputs: Array
-    residual: float
-    condition: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Floquet:
-    """A periodic system over one period from ``start``.
-
-    Parameters
-    ----------
-    monodromy : Φ(start + period, start), shape (n, n); ``monodromy_error`` : a bound, shape (n, n)
-    modes : multipliers and exponents, the largest first
-    equivalent : the stationary system, or why there is none that can be trusted
-    """
-
-    start: float
-    period: float
-    states: tuple[str, ...]
-    monodromy: Array
-    monodromy_error: Array
-    modes: tuple[FloquetMode, ...]
-    equivalent: Equivalent | NotComputed
-
-    @property
-    def multipliers(self) -> tuple[complex, ...]:
-        """The Floquet multipliers, the largest first."""
-        return tuple(one.multiplier for one in self.modes)
-
-    @property
-    def exponents(self) -> tuple[complex, ...]:
-        """The exponents ln μ/period, imaginary parts up to multiples of 2π/period."""
-        return tuple(one.exponent for one in self.modes)
 
 
 def floquet(system: System, start: float, period: float, samples: int = SAMPLES) -> Floquet:
@@ -158,7 +105,9 @@ def floquet(system: System, start: float, period: float, samples: int = SAMPLES)
     try:
         other = steps_between(numeric, instants + period, _OTHER_STEPS * longest, effort, units)
         equivalent: Equivalent | NotComputed = _equivalent(numeric, instants, units, (steps, other), spectrum)
-    except (NotComputableError, np.linalg.LinAlgError) as error:
+    except np.linalg.LinAlgError:
+        equivalent = NotComputed(_unresolved("the subspaces of its multipliers cannot be told apart"))
+    except NotComputableError as error:
         equivalent = NotComputed(str(error))
     ratio = units[:, None] / units
     return Floquet(
@@ -185,9 +134,10 @@ def _units(numeric: NumericSystem, t: Array) -> Array:
 def _refuse_aperiodic(numeric: NumericSystem, instants: Array, period: float) -> None:
     # instants of their own, so that a period of the samples is not taken for one of the system
     t = instants[:-1] + np.diff(instants) * np.random.default_rng(_SEED).uniform(0, 1, len(instants) - 1)
-    A, later = (numeric.matrices(one)[0] for one in (t, t + period))
-    apart = np.abs(later - A).max(axis=(1, 2), initial=0.0)
-    if apart.max() > _REPEATS * np.abs(A).max(initial=0.0):
+    now, later = (numeric.coefficients(one) for one in (t, t + period))
+    apart = np.abs(later.A - now.A).max(axis=(1, 2), initial=0.0)
+    rounding = max(now.A_error.max(initial=0.0), later.A_error.max(initial=0.0))
+    if apart.max() > _REPEATS * np.abs(now.A).max(initial=0.0) + _ROUNDINGS * rounding:
         time, at = numeric.system.time, t[apart.argmax()]
         raise UnfitRequestError(
             f"A({time}) does not repeat itself after {period:.6g}: it differs between "

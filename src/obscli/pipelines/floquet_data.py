@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from obscli.core.number import json_number
 from obscli.numeric.finding import FloquetMode, NotComputed
-from obscli.numeric.floquet import Equivalent, Floquet
+from obscli.numeric.floquet_finding import Equivalent, Floquet
 
 
 def floquet_data(found: Floquet) -> dict[str, object]:

@@ -8,7 +8,7 @@ from typing import Final
 from obscli.core.document import Block, Cell, Column, Note, Table, Text, VerdictLine, line, plain
 from obscli.core.number import short
 from obscli.numeric.finding import FloquetMode, NotComputed
-from obscli.numeric.floquet import Equivalent, Floquet
+from obscli.numeric.floquet_finding import Equivalent, Floquet
 from obscli.pipelines.describe.hidden_motion import FLOQUET_COLUMNS
 
 
@@ -39,7 +39,11 @@ def floquet_blocks(found: Floquet) -> Iterator[Block]:
 def equivalent_words(found: Floquet, equivalent: Equivalent) -> str:
     """Return what the change of variables does, in one sentence with its figures."""
     period = short((2 if equivalent.doubled else 1) * found.period, _DIGITS)
-    why = " (two periods of A, a multiplier being negative)" if equivalent.doubled else ""
+    why = (
+        " (two periods of A: a multiplier is on the negative real axis, or near)"
+        if equivalent.doubled
+        else ""
+    )
     return (
         f"x = P(t) z, P(t) of period {period}{why}, makes the system stationary: z' = R z; residual over the "
         f"next period {short(equivalent.residual)}, condition of P {short(equivalent.condition)}"
