@@ -16,6 +16,7 @@ from obscli.exact.finding import (
     Neglect,
     Undecided,
 )
+from obscli.exact.lift_finding import Stationary
 from obscli.model.notation import covector_latex, covector_text
 from obscli.model.system import Covector, Model, System
 from obscli.pipelines.certificate_data import certificate_to_data, covector_to_data
@@ -70,7 +71,15 @@ def _stage_data(result: StageResult) -> dict[str, object]:
         "numeric_basis": basis_data(result.basis),
         "verification": verification_data(result.verification),
         **certified_data(result.certified),
+        "stationary": stationary_witness(result.stationary),
     }
+
+
+def stationary_witness(found: Stationary | None) -> dict[str, object] | None:
+    """Return the size of a stationary system with the same outputs, and whether it agrees; else None."""
+    if found is None:
+        return None
+    return {"smallest": found.smallest.n, "rank": found.rank, "agrees": found.agrees}
 
 
 def _exact_data(finding: Analysis | Undecided | None) -> dict[str, object] | None:

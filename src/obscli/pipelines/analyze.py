@@ -12,6 +12,8 @@ from obscli.core.figure import Figure
 from obscli.exact import analysis as engine
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.finding import Analysis, Undecided
+from obscli.exact.lift_finding import Stationary
+from obscli.exact.stationary import find_stationary
 from obscli.model.covector import parse_covectors_file
 from obscli.model.dual import is_constant
 from obscli.model.specialise import at_nominal
@@ -36,7 +38,7 @@ class AnalyzeReport:
 
     @property
     def failed(self) -> int:
-        """How many stages have an analytic result that the Gramian contradicts."""
+        """How many stages have an analytic result that the Gramian or a stationary system contradicts."""
         return sum(result.is_contradicted for result in self.results)
 
     @property
@@ -100,7 +102,7 @@ def analyze(
             result = replace(result, frozen=frozen)
         result = _with_detectability(result, request, told)
         if request.only not in {"analytic", "structure"}:
-            result = _with_gramian(result, request, told)
+            result = _with_stationary(_with_gramian(result, request, told), told)
         results.append(_with_certified(result, request, told))
     return AnalyzeReport(with_other_stages(tuple(results)), changes)
 
@@ -159,6 +161,16 @@ def _with_gramian(result: StageResult, request: AnalyzeRequest, progress: Progre
         progress("forms of the coefficients")
         result = replace(result, basis=basis_in_time(numeric, result.finding))
     return replace(result, numeric=finding_of(numeric, bases=alone))
+
+
+def _with_stationary(result: StageResult, progress: Progress) -> StageResult:
+    """Return the result with the stationary systems of one that varies, a witness beside the Gramian."""
+    finding = result.finding
+    if not isinstance(finding, Analysis) or not finding.varying or result.system.dual is not None:
+        return result
+    progress("stationary system")
+    found = find_stationary(result.system)
+    return replace(result, stationary=found if isinstance(found, Stationary) else None)
 
 
 def _with_certified(result: StageResult, request: AnalyzeRequest, progress: Progress) -> StageResult:

@@ -13,7 +13,7 @@ from obscli.model.system import System
 
 if TYPE_CHECKING:
     from obscli.numeric.finding import NotComputed
-    from obscli.numeric.floquet import Floquet
+    from obscli.numeric.floquet_finding import Floquet
 
 
 def periodic_form(system: System) -> Floquet | NotComputed | None:

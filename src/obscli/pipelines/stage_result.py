@@ -9,6 +9,7 @@ from obscli.checks.detectability import Detectability
 from obscli.core.check import CheckResult
 from obscli.core.verification import NotVerified, Verification
 from obscli.exact.finding import Analysis, Undecided
+from obscli.exact.lift_finding import Stationary
 from obscli.model.system import Model, System
 from obscli.numeric.finding import CrossCheck, EchelonFinding, NotComputed, NumericFinding
 from obscli.pipelines.freezing import Frozen
@@ -22,7 +23,8 @@ class StageResult:
     ``shown``: the one part the user asked to see, None: all; ``basis``: the numerical basis in time;
     ``detectability``: whether what is unobservable dies out, ``detectability_there``: at the file's values,
     where more is unobservable; ``cross_check``: the Riccati equation from two priors; ``frozen``: the instant
-    at which ``system`` is frozen, and the rank in truth; ``certified``: the rank of the Gramian, proved.
+    at which ``system`` is frozen, and the rank in truth; ``certified``: the rank of the Gramian, proved;
+    ``stationary``: of a system that varies, time-invariant ones with the same outputs, where there are any.
     """
 
     model: Model
@@ -37,6 +39,7 @@ class StageResult:
     cross_check: CrossCheck | NotComputed | None = None
     frozen: Frozen | None = None
     certified: CertifiedRank | None = None
+    stationary: Stationary | None = None
 
     @property
     def title(self) -> str:
@@ -72,7 +75,9 @@ class StageResult:
 
     @property
     def is_contradicted(self) -> bool:
-        """Whether the two sides contradict each other."""
+        """Whether the exact side is contradicted: by the Gramian, or by a stationary system."""
+        if self.stationary is not None and not self.stationary.agrees:
+            return True
         return isinstance(self.verification, Verification) and self.verification.verdict == "contradicted"
 
 

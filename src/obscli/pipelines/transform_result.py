@@ -19,7 +19,7 @@ from obscli.pipelines.stage_result import stage_title
 
 if TYPE_CHECKING:
     from obscli.numeric.finding import NotComputed
-    from obscli.numeric.floquet import Floquet
+    from obscli.numeric.floquet_finding import Floquet
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -19,6 +19,7 @@ from obscli.pipelines.describe.neglect import neglect_blocks
 from obscli.pipelines.describe.ranks import rank_blocks
 from obscli.pipelines.describe.stages import stage_table_blocks
 from obscli.pipelines.describe.states import quantity_blocks, state_blocks
+from obscli.pipelines.describe.stationary_witness import stationary_witness_blocks
 from obscli.pipelines.describe.structure import structure_blocks
 from obscli.pipelines.describe.summary import summary_blocks
 from obscli.pipelines.describe.time_basis import time_basis_blocks
@@ -48,6 +49,7 @@ SECTIONS_AFTER = (
     verification_blocks,
     certified_blocks,
     verdict_blocks,
+    stationary_witness_blocks,
 )
 
 
