@@ -138,9 +138,13 @@ def read_stationary(node: Node | None, path: str, problems: Problems) -> Expecte
     """Read the sizes of stationary systems, or `false` where there are none."""
     if node is None or isinstance(node, Broken):
         return None
-    if not isinstance(node, MappingNode):
+    if isinstance(node, Scalar) and not node.is_null:
         choice_of((node, node), path, ("false",), problems)
         return ExpectedStationary(node.place, reducible=False)
+    if not isinstance(node, MappingNode):
+        sizes_of = "sizes such as {full: 108, smallest: 19}, or `false`, are expected here"
+        problems.add(node.problem(path, sizes_of))
+        return None
     sizes: dict[Lifted, tuple[int, Place]] = {}
     for name, (_, value) in fields(node, path, LIFTED, problems).items():
         size = whole_of(value, f"{path}.{name}", problems, least=0)
