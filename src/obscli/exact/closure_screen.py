@@ -51,26 +51,38 @@ class Screen:
         return {k: value for k, value in found.items() if value}
 
     def closure(
-        self, rows: Iterable[Row], most: int, known: Mapping[int, Values] | None = None
+        self,
+        rows: Iterable[Row],
+        known: Mapping[int, Values] | None = None,
+        *,
+        dimensions: int = _ENDLESS,
+        columns: int = _ENDLESS,
     ) -> dict[int, Values] | None:
-        """Return an echelon form of the closure; None: it has more than so many dimensions.
+        """Return an echelon form of the closure.
 
-        ``known``: that of a closed space, which the rows are added to.
+        Parameters
+        ----------
+        known : that of a closed space, which the rows are added to
+        dimensions, columns : None is returned where it has more dimensions, or rows in more columns
         """
-        echelon = dict(known or {})
+        echelon, met = dict(known or {}), set[int]()
         waiting = [self.values(row) for row in rows]
         while waiting:
             fresh = insert(echelon, waiting.pop(0))
             if fresh:
-                if len(echelon) > most:
+                met.update(fresh)
+                if len(echelon) > dimensions or len(met) > columns:
                     return None
                 waiting.append(self._rate(fresh))
         return echelon
 
+    def closes(self, rows: Iterable[Row], columns: int) -> bool:
+        """Whether forms lie in a closed space, in so many columns at most."""
+        return self.closure(rows, columns=columns) is not None
+
     def dimension(self, rows: Iterable[Row]) -> int:
         """Return the dimension of a closure that is known to be finite."""
-        found = self.closure(rows, _ENDLESS)
-        return len(found or {})
+        return len(self.closure(rows) or {})
 
     def _rate(self, row: Values) -> Values:
         total: Values = {}

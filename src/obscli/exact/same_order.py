@@ -68,7 +68,7 @@ class _Chosen:
 
     def add(self, forms: Sequence[Row]) -> bool:
         """Take in what forms generate, if it adds as much to the rank as to the dimension."""
-        found = self._screen.closure(forms, self._most, self._closure)
+        found = self._screen.closure(forms, self._closure, dimensions=self._most)
         if found is None or self._screen.rank_over_the_field(found.values()) < len(found):
             return False
         if len(found) > self.size:
