@@ -6,6 +6,7 @@ no more dimensions is proved afterwards, by identities; that it has more than a 
 
 from __future__ import annotations
 
+import random
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from obscli.exact.errors import UndecidedError
@@ -35,11 +36,10 @@ class Screen:
         self._forms = forms
         self._point = SeriesPoint(forms.field, 1, _SEED)
         self._rates: dict[int, Values] = {}
-        seeds = range(2, 2 + len(forms.modes.angles) + len(forms.modes.exponentials) + 1)
-        drawn = iter([pow(_SEED, seed, PRIME) for seed in seeds])
-        self._time = next(drawn)
-        self._half_turns = [_circle(next(drawn)) for _ in forms.modes.angles]
-        self._growth = [next(drawn) for _ in forms.modes.exponentials]
+        source = random.Random(_SEED)  # noqa: S311  (a random point, no secret)
+        self._time = source.randrange(2, PRIME)
+        self._half_turns = [_circle(source.randrange(2, PRIME)) for _ in forms.modes.angles]
+        self._growth = [source.randrange(2, PRIME) for _ in forms.modes.exponentials]
         self._modes: dict[Mode, int] = {}
 
     def values(self, form: Mapping[int, Element]) -> Values:
@@ -80,9 +80,9 @@ class Screen:
         """Whether forms lie in a closed space, in so many columns at most."""
         return self.closure(rows, columns=columns) is not None
 
-    def dimension(self, rows: Iterable[Row]) -> int:
-        """Return the dimension of a closure that is known to be finite."""
-        return len(self.closure(rows) or {})
+    def finite(self, rows: Iterable[Row]) -> dict[int, Values]:
+        """Return an echelon form of a closure that is known to be finite."""
+        return self.closure(rows) or {}
 
     def _rate(self, row: Values) -> Values:
         total: Values = {}

@@ -116,14 +116,14 @@ class _Search:
         closing = [i for i in forms.moving if forms.closes or screen.closes([forms.state(i)], most)]
         wanted = [forms.state(i) for i in closing] + list(forms.H)
         writer = Writer(forms, self.proof.restorer)
-        seen = closure(forms, forms.H, screen.dimension(forms.H))
+        seen = closure(forms, forms.H, screen.finite(forms.H))
         found, agrees = combinations(self.proof, seen)
         same = same_order(forms, screen)
         return Stationary(
             system=self.system,
             functions=writer.functions(functions_in(forms)),
             full=kronecker(forms, writer, seen.dimension),
-            smallest=writer.lift(closure(forms, wanted, screen.dimension(wanted))),
+            smallest=writer.lift(closure(forms, wanted, screen.finite(wanted))),
             observable=writer.lift(seen),
             same_order=None if same is None else writer.lift(same),
             rank=seen.dimension,
