@@ -6,6 +6,7 @@ no more dimensions is proved afterwards, by identities; that it has more than a 
 
 from __future__ import annotations
 
+import random
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from obscli.exact.errors import UndecidedError
@@ -35,11 +36,10 @@ class Screen:
         self._forms = forms
         self._point = SeriesPoint(forms.field, 1, _SEED)
         self._rates: dict[int, Values] = {}
-        seeds = range(2, 2 + len(forms.modes.angles) + len(forms.modes.exponentials) + 1)
-        drawn = iter([pow(_SEED, seed, PRIME) for seed in seeds])
-        self._time = next(drawn)
-        self._half_turns = [_circle(next(drawn)) for _ in forms.modes.angles]
-        self._growth = [next(drawn) for _ in forms.modes.exponentials]
+        source = random.Random(_SEED)  # noqa: S311  (a random point, no secret)
+        self._time = source.randrange(2, PRIME)
+        self._half_turns = [_circle(source.randrange(2, PRIME)) for _ in forms.modes.angles]
+        self._growth = [source.randrange(2, PRIME) for _ in forms.modes.exponentials]
         self._modes: dict[Mode, int] = {}
 
     def values(self, form: Mapping[int, Element]) -> Values:
@@ -51,26 +51,38 @@ class Screen:
         return {k: value for k, value in found.items() if value}
 
     def closure(
-        self, rows: Iterable[Row], most: int, known: Mapping[int, Values] | None = None
+        self,
+        rows: Iterable[Row],
+        known: Mapping[int, Values] | None = None,
+        *,
+        dimensions: int = _ENDLESS,
+        columns: int = _ENDLESS,
     ) -> dict[int, Values] | None:
-        """Return an echelon form of the closure; None: it has more than so many dimensions.
+        """Return an echelon form of the closure.
 
-        ``known``: that of a closed space, which the rows are added to.
+        Parameters
+        ----------
+        known : that of a closed space, which the rows are added to
+        dimensions, columns : None is returned where it has more dimensions, or rows in more columns
         """
-        echelon = dict(known or {})
+        echelon, met = dict(known or {}), set[int]()
         waiting = [self.values(row) for row in rows]
         while waiting:
             fresh = insert(echelon, waiting.pop(0))
             if fresh:
-                if len(echelon) > most:
+                met.update(fresh)
+                if len(echelon) > dimensions or len(met) > columns:
                     return None
                 waiting.append(self._rate(fresh))
         return echelon
 
-    def dimension(self, rows: Iterable[Row]) -> int:
-        """Return the dimension of a closure that is known to be finite."""
-        found = self.closure(rows, _ENDLESS)
-        return len(found or {})
+    def closes(self, rows: Iterable[Row], columns: int) -> bool:
+        """Whether forms lie in a closed space, in so many columns at most."""
+        return self.closure(rows, columns=columns) is not None
+
+    def finite(self, rows: Iterable[Row]) -> dict[int, Values]:
+        """Return an echelon form of a closure that is known to be finite."""
+        return self.closure(rows) or {}
 
     def _rate(self, row: Values) -> Values:
         total: Values = {}

@@ -33,14 +33,17 @@ def full_columns(forms: Forms) -> list[int] | None:
     """Return the columns of the full lift in order; None where the moving states do not move by a matrix."""
     if not forms.closes:
         return None
-    start = {k for row in forms.H for k in row} | {forms.column(i, forms.modes.one) for i in forms.moving}
-    reached = [forms.columns[k] for k in forms.reached(start)]
+    found = {k for row in forms.H for k in row} | {forms.column(i, forms.modes.one) for i in forms.moving}
     constant = [i for i in range(len(forms.A)) if i not in forms.moving]
-    columns = []
-    for group in (forms.moving, constant):
-        functions = ordered({mode for state, mode in reached if state in group})
-        columns += [forms.column(state, mode) for mode in functions for state in group]
-    return columns
+    while True:
+        reached = [forms.columns[k] for k in forms.reached(found)]
+        columns = []
+        for group in (forms.moving, constant):
+            functions = ordered({mode for state, mode in reached if state in group})
+            columns += [forms.column(state, mode) for mode in functions for state in group]
+        if found == set(columns):
+            return columns
+        found = set(columns)
 
 
 def functions_in(forms: Forms) -> list[Mode]:

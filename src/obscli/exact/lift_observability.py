@@ -42,7 +42,7 @@ def chains_of(forms: Forms, screen: Screen, writer: Writer) -> tuple[Chain, ...]
     """
     echelon = Echelon(forms.field, forms.order(range(len(forms.columns))))
     outputs = forms.modes.exact.system.outputs
-    order = sorted(range(len(outputs)), key=lambda i: screen.dimension([forms.H[i]]))
+    order = sorted(range(len(outputs)), key=lambda i: len(screen.finite([forms.H[i]])))
     return tuple(
         Chain(outputs[i].name, tuple(writer.form(row)[0] for row in _chain(forms, echelon, forms.H[i])))
         for i in order

@@ -46,7 +46,7 @@ def same_order(forms: Forms, screen: Screen) -> Span | None:
                 break
             chosen.add(candidate)
         if chosen.size == n:
-            return closure(forms, chosen.generators, n)
+            return closure(forms, chosen.generators, chosen.closure)
     return None
 
 
@@ -58,22 +58,22 @@ class _Chosen:
 
     def __init__(self, screen: Screen, most: int) -> None:
         self._screen, self._most = screen, most
-        self._closure: dict[int, Values] = {}
+        self.closure: dict[int, Values] = {}
         self.generators: list[Row] = []
 
     @property
     def size(self) -> int:
         """The dimension of the space."""
-        return len(self._closure)
+        return len(self.closure)
 
     def add(self, forms: Sequence[Row]) -> bool:
         """Take in what forms generate, if it adds as much to the rank as to the dimension."""
-        found = self._screen.closure(forms, self._most, self._closure)
+        found = self._screen.closure(forms, self.closure, dimensions=self._most)
         if found is None or self._screen.rank_over_the_field(found.values()) < len(found):
             return False
         if len(found) > self.size:
             self.generators += forms
-            self._closure = found
+            self.closure = found
         return True
 
 
@@ -95,7 +95,7 @@ def _modes(forms: Forms, screen: Screen) -> Iterator[Sequence[Row]]:
     functions = _functions(forms)
     if len(functions) * len(forms.A) <= _LARGEST:
         modes = [[mode] for mode in modes_of_rate(forms, largest_closed(forms, functions))]
-        yield from sorted(modes, key=lambda mode: -screen.dimension(mode))
+        yield from sorted(modes, key=lambda mode: -len(screen.finite(mode)))
     yield from _states(forms, screen)
 
 

@@ -40,7 +40,8 @@ if TYPE_CHECKING:
     from obscli.exact.prove import Proof
     from obscli.model.system import System
 
-#: A space of forms with more dimensions than this is taken for one that does not close.
+#: A space of forms with more terms than this, each a function times a state, is taken for one that does not
+#: close, unless A and H themselves have as many.
 _MOST: Final = 500
 
 
@@ -76,7 +77,7 @@ class _Search:
         if not self.obstacles:
             forms = Forms(self.modes, A, H)
             screen, most = Screen(forms), _most(forms)
-            if screen.closure(forms.H, most) is not None:
+            if screen.closes(forms.H, most):
                 return self._stationary(forms, screen, most)
             self.obstacles += self._growing(forms, most)
         return NotReducible(self.system, tuple(self.obstacles))
@@ -104,7 +105,7 @@ class _Search:
         """Yield the entries of A that vary and act on states that move."""
         reason = (
             "multiplies a state that moves, and with every derivative of the outputs new functions of time "
-            f"come in: more than {most} variables did not hold them"
+            f"come in: the search ended at {most} terms, each a function times a state"
         )
         for i in forms.moving:
             for j, entry in forms.A[i].items():
@@ -112,19 +113,17 @@ class _Search:
                     yield self._obstacle("A", i, j, reason)
 
     def _stationary(self, forms: Forms, screen: Screen, most: int) -> Stationary:
-        closing = [
-            i for i in forms.moving if forms.closes or screen.closure([forms.state(i)], most) is not None
-        ]
+        closing = [i for i in forms.moving if forms.closes or screen.closes([forms.state(i)], most)]
         wanted = [forms.state(i) for i in closing] + list(forms.H)
         writer = Writer(forms, self.proof.restorer)
-        seen = closure(forms, forms.H, screen.dimension(forms.H))
+        seen = closure(forms, forms.H, screen.finite(forms.H))
         found, agrees = combinations(self.proof, seen)
         same = same_order(forms, screen)
         return Stationary(
             system=self.system,
             functions=writer.functions(functions_in(forms)),
             full=kronecker(forms, writer, seen.dimension),
-            smallest=writer.lift(closure(forms, wanted, screen.dimension(wanted))),
+            smallest=writer.lift(closure(forms, wanted, screen.finite(wanted))),
             observable=writer.lift(seen),
             same_order=None if same is None else writer.lift(same),
             rank=seen.dimension,
@@ -136,9 +135,12 @@ class _Search:
 
 
 def _most(forms: Forms) -> int:
-    """Return how many dimensions a space may have: as many as the full lift, where there is one."""
+    """Return in how many columns spaces are searched: all there are of the full lift, where there is one."""
     columns = full_columns(forms)
-    return min(_MOST, 4 * len(forms.A) * len(functions_in(forms))) if columns is None else len(columns)
+    if columns is not None:
+        return len(columns)
+    own = len(forms.A) * len(functions_in(forms))
+    return max(own, min(_MOST, 4 * own))
 
 
 def _chains(forms: Forms, screen: Screen, writer: Writer) -> tuple[Chain, ...]:
