@@ -73,7 +73,7 @@ def test_curves_are_the_exact_coefficients(generic):
     first = [min(names.index(state) for state in row) for row in combinations]
     assert list(curves.pivots) == first
     rows, _ = found.system.covectors(combinations, curves.instants)
-    expected = rows / np.take_along_axis(rows, np.array(first)[None, :, None], axis=2)
+    expected = rows / np.take_along_axis(rows, np.array(first, dtype=int)[None, :, None], axis=2)
     expected = expected[:, :, curves.free]
     off = np.abs(curves.coefficients - expected)
     assert (off <= HONEST * curves.errors + 8 * EPS * np.abs(expected)).all()
