@@ -164,3 +164,50 @@ def test_figures_are_drawn_where_there_is_noise(measures, tmp_path):
     figures = tmp_path / "figures"
     assert measures("--plot", str(figures), "--select", "stochastic,standard-deviation")[0] == 0
     assert sorted(one.name for one in figures.glob("*.svg")) == ["tilt-deviation.svg", "tilt-stochastic.svg"]
+
+
+def test_a_threshold_on_what_is_not_observable_is_missed_whatever_the_number(measures):
+    status, out, _ = measures("--threshold", "column-norm=0.1", model="hidden.yaml")
+    assert status == 1
+    assert "tilt: column-norm is 9.81, and it is not observable, at least 0.1 asked for" in " ".join(
+        out.split()
+    )
+
+
+def test_a_threshold_that_cannot_be_judged_is_undecided(measures):
+    status, out, _ = measures("--threshold", "standard-deviation=1", "--strict", model="hidden.yaml")
+    assert status == 4
+    assert "tilt: standard-deviation is not known, asked for 1" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--select", "modal", "--threshold", "pseudo-inverse=1"), "this measure is not selected"),
+        (("--threshold", "pseudo-inverse=nan"), "a number is expected, not 'nan'"),
+        (("--at", "t"), "t has no value that is a constant"),
+        (("--at", "1e400"), "the instant is not finite"),
+    ],
+)
+def test_more_that_does_not_fit_is_refused(measures, words, told):
+    status, out, err = measures(*words)
+    assert (status, out) == (2, "")
+    assert told in " ".join(err.split())
+
+
+def test_what_is_missing_at_one_of_several_instants_is_said_with_the_instant(measures, put):
+    put("parabola.yaml", "states: [a, b]\nA: [[0, 0], [0, 0]]\nH: [[1, t^2]]\n")
+    _, out, _ = measures("--times", "0,5", "--select", "pseudo-inverse", model="parabola.yaml")
+    assert "not measured: pseudo-inverse at 0:" in out
+    assert "States at t = 5" in out
+
+
+def test_a_step_that_had_to_be_taken_and_a_sample_motion_are_told(measures, put):
+    put("open.yaml", "functions: [f]\nstates: [x, y]\nA: [[0, f], [0, 0]]\nH: [[1, 0]]\n"
+                     "noise: {R: 1, P0_std: [1, 1]}\ninterval: {stop: 40}\n")  # fmt: skip
+    _, out, _ = measures(model="open.yaml")
+    assert "one every 0.1 is taken (--step)" in out
+    assert "f: left open in the file, taken along a sample motion" in out
+    found = json.loads(measures("--format", "json", model="open.yaml")[1])["results"][0]["measures"]
+    assert (found["assumed_step"], found["sampled_functions"]) == (0.1, ["f"])
+    assert json.loads(measures("--format", "json")[1])["results"][0]["measures"]["assumed_step"] is None

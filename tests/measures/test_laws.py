@@ -263,3 +263,32 @@ def test_functions_left_open_follow_the_sample_motion(measure):
     found = measure("functions: [f]\nstates: [x, y]\nA: [[0, f], [0, 0]]\nH: [[1, 0]]\n", at=("2",))
     f = found.subject.numeric.values(np.array([2.0]), {})["f"][0]
     assert found.state("pseudo-inverse") == pytest.approx((1, 1 / abs(f)), rel=1e-12)
+
+
+def test_a_closed_form_with_the_derivative_of_a_function_left_open(measure):
+    """y = x + f b: M = (1, f; 0, f'), so that the row of b in the inverse is (0, 1/f')."""
+    found = measure("functions: [f]\nstates: [x, b]\nA: [[0, 0], [0, 0]]\nH: [[1, f]]\n", at=("2",))
+    rate = found.subject.numeric.values(np.array([2.0]), {"f": 1})["f'"][0]
+    assert found.state("pseudo-inverse")[1] == pytest.approx(1 / abs(rate), rel=1e-9)
+    assert to_text(found.taken.found["pseudo-inverse"].forms["b"]).count("f'") == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "at"),
+    [
+        ("parameters: {e: 0}\nstates: [a, b]\nA: [[0, 1], [0, 0]]\nH: [[1, 0], [1, e]]\n", "1"),
+        ("states: [a, b]\nA: [[0, 1], [0, 0]]\nH: [[1, 0], [1, t - 20]]\n", "20"),
+    ],
+)
+def test_a_closed_form_of_generic_values_is_left_out_where_the_values_are_special(measure, text, at):
+    """For e ≠ 0 the second output is the link to b, and μ = |e|; for e = 0 its derivative is, and μ = 1."""
+    found = measure(text, at=(at,))
+    assert found.state("deterministic") == pytest.approx([1, 1])
+    assert "b" not in found.taken.found["deterministic"].forms
+
+
+def test_the_first_sample_counts_at_the_start(measure):
+    found = measure(
+        "states: [x]\nA: [[0]]\nH: [[1]]\nnoise: {R: 4, step: 1, P0_std: 3}\n", at=("0",), stop="9"
+    )
+    assert found.state("standard-deviation") == pytest.approx([1 / np.sqrt(1 / 9 + 1 / 4)])

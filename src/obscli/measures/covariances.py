@@ -75,7 +75,7 @@ def _sizes(forms: Array, root: Array) -> Array:
 
 
 def _schedule(subject: Subject, stop: float) -> Schedule:
-    return schedule_of(subject.system, subject.start, stop, subject.step)
+    return schedule_of(subject.system, subject.start, max(stop, subject.stop), subject.step)
 
 
 def sampled_instants(subject: Subject, most: int) -> Array:

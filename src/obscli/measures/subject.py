@@ -20,7 +20,7 @@ from obscli.measures.local import Local, local
 from obscli.model.expression import Expression, negate
 from obscli.model.system import Covector, System
 from obscli.numeric.hidden_motion import named
-from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.numeric_system import NumericSystem, derivative_orders
 from obscli.numeric.program import Array, Counts, Flags, Program
 
 
@@ -48,7 +48,8 @@ class Subject:
     there : with the parameters replaced by their values
     analysis : the exact one at the file's values
     numeric : the system in floating point over the interval
-    start, at : the interval behind the instant
+    start, stop : the interval of the file, or as asked for
+    at : the instant
     units : D, the units of the states in which measures are taken, shape (n,)
     targets : states, quantities and combinations, in this order
     options : of measures, by key and name
@@ -60,6 +61,7 @@ class Subject:
     analysis: Analysis
     numeric: NumericSystem
     start: float
+    stop: float
     at: float
     units: Array
     targets: tuple[Target, ...]
@@ -128,8 +130,8 @@ class Subject:
 
     def value(self, expression: Expression) -> float:
         """Return an expression in the names of the system at the file's values, at the instant."""
-        found = Program([expression]).run(self.numeric.values(np.array([self.at]), {}))[0]
-        return float(np.ravel(found)[0])
+        values = self.numeric.values(np.array([self.at]), derivative_orders([expression]))
+        return float(np.ravel(Program([expression]).run(values)[0])[0])
 
     def positive(self, expression: Expression) -> Expression:
         """Return an expression with the sign that makes it positive at the file's values."""

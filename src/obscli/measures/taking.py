@@ -10,6 +10,7 @@ import numpy as np
 
 from obscli.measures.measure import Found, Measure, NotMeasuredError
 from obscli.measures.subject import Subject
+from obscli.model.expression import Expression
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.program import Array
@@ -17,6 +18,9 @@ from obscli.numeric.program import Array
 
 #: Values that agree so well, relatively, rank alike.
 _TIED: Final = 1e-9
+
+#: A closed form has the value found if they agree so well, relatively.
+_FORM: Final = 1e-9
 
 
 def take(
@@ -27,10 +31,31 @@ def take(
     for measure in measures:
         progress(measure.title)
         try:
-            found[measure.key] = measure.compute(subject)
+            found[measure.key] = _confirmed(subject, measure.compute(subject))
         except (NotMeasuredError, NotComputableError) as error:
             found[measure.key] = NotComputed(str(error))
     return found
+
+
+def _confirmed(subject: Subject, found: Found) -> Found:
+    """Return what was found with those closed forms that have its values.
+
+    They are those of generic values: at the file's, or at one instant, a row that matters may vanish.
+    """
+    names = (target.name for target in subject.targets)
+    values: dict[str, object] = dict(zip(names, found.targets, strict=False))
+    values.update(found.system)
+
+    def agrees(name: str, form: Expression) -> bool:
+        value = values.get(name)
+        try:
+            return isinstance(value, float | int) and bool(
+                np.isclose(subject.value(form), value, rtol=_FORM, atol=0)
+            )
+        except NotComputableError:
+            return False
+
+    return replace(found, forms={name: form for name, form in found.forms.items() if agrees(name, form)})
 
 
 def ranked(subject: Subject, measure: Measure, found: Found) -> dict[str, float]:

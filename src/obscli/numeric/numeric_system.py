@@ -53,7 +53,7 @@ class NumericSystem:
         self.motion = Motion(system, self.constants, start, stop) if system.functions else None
         self.moving = np.array(sorted({i for i, _ in system.A.entries}), dtype=int)
         self._program = Program([*system.A.entries.values(), *system.H.entries.values()])
-        self._orders = _orders([*system.A.entries.values(), *system.H.entries.values()])
+        self._orders = derivative_orders([*system.A.entries.values(), *system.H.entries.values()])
         row = {i: k for k, i in enumerate(self.moving)}
         self._places = [(row[i], j) for i, j in system.A.entries]
 
@@ -113,7 +113,7 @@ class NumericSystem:
         Entries are not finite where they are undefined.
         """
         entries = [entry for row in rows for entry in row.values()]
-        values = self.values(t, _orders(entries))
+        values = self.values(t, derivative_orders(entries))
         found = iter(Program(entries).run_rounded(values, self.errors(values)))
         place = {name: j for j, name in enumerate(self.system.state_names)}
         result, errors = np.zeros((2, len(t), len(rows), self.n))
@@ -210,7 +210,7 @@ def _relations(system: System) -> list[Expression]:
     return [*rules, *(one.expression for one in system.invariants)]
 
 
-def _orders(roots: Sequence[Expression]) -> dict[str, int]:
+def derivative_orders(roots: Sequence[Expression]) -> dict[str, int]:
     """Return the highest derivative of each function that expressions name."""
     orders: dict[str, int] = {}
     for node in postorder(*roots):

@@ -17,7 +17,7 @@ from obscli.measures.measure import Found, Measure, Option
 from obscli.measures.subject import Subject, Target
 from obscli.measures.taking import in_units, ranked, reverses, take
 from obscli.model.covector import parse_scalar
-from obscli.model.expression import ONE, is_one
+from obscli.model.expression import ONE, is_one, symbols
 from obscli.model.notation import covector_text
 from obscli.model.specialise import at_nominal
 from obscli.model.system import Covector, Model, Requirement, System
@@ -27,6 +27,7 @@ from obscli.numeric.horizon import Horizon, horizon_of
 from obscli.numeric.numeric_system import NumericSystem, constants_of
 from obscli.numeric.program import Array, constant_value
 from obscli.numeric.scaling import sizes_of
+from obscli.numeric.schedule import schedule_of
 from obscli.pipelines.measures_report import MeasuresReport
 from obscli.pipelines.measures_result import Curves, Limit, MeasuresResult, Reordering, Taken
 from obscli.pipelines.numerical import settings_of
@@ -68,7 +69,7 @@ def measure_stage(
 ) -> MeasuresResult:
     """Measure one stage; raises as ``measures``."""
     chosen = _chosen(request.select)
-    options, thresholds = _options(chosen, request.options), _thresholds(request.thresholds)
+    options, thresholds = _options(chosen, request.options), _thresholds(chosen, request.thresholds)
     progress(system.stage or model.name)
     return _Stage(model, system, request, chosen, options, progress).measured(thresholds)
 
@@ -111,15 +112,19 @@ def _read(path: str, text: str, option: Option) -> float | str:
     return value
 
 
-def _thresholds(given: Mapping[str, str]) -> dict[str, float]:
-    found = {}
+def _thresholds(chosen: Sequence[Measure], given: Mapping[str, str]) -> dict[str, float]:
+    found: dict[str, float] = {}
     for key, text in given.items():
         if key not in BY_KEY or BY_KEY[key].better is None:
             raise RequestError(unknown("--threshold: no measure of states", key, _with_values()))
+        if BY_KEY[key] not in chosen:
+            raise RequestError(f"--threshold {key}: this measure is not selected")
         try:
             found[key] = float(text)
         except ValueError:
-            raise RequestError(f"--threshold {key}: a number is expected, not {text!r}") from None
+            found[key] = np.nan
+        if np.isnan(found[key]):
+            raise RequestError(f"--threshold {key}: a number is expected, not {text!r}")
     return found
 
 
@@ -174,6 +179,7 @@ class _Stage:
                 analysis,
                 numeric,
                 horizon.start,
+                horizon.stop,
                 at,
                 units,
                 targets,
@@ -191,18 +197,40 @@ class _Stage:
             limits=(*_required(self._model, taken[-1]), *_held(taken[-1], thresholds)),
             reordered=tuple(self._reordered(taken[-1])),
             curves=self._curves(taken[-1]) if self._request.curves else None,
+            assumed_step=self._assumed_step(taken[-1]),
+            sampled=tuple(one.name for one in system.functions if one.derivative is None),
         )
+
+    def _assumed_step(self, taken: Taken) -> float | None:
+        """Return the step between samples that the noise was taken with, where the file does not say."""
+        noisy = any(one.basis == "noise" and isinstance(taken.found[one.key], Found) for one in self._chosen)
+        if not noisy:
+            return None
+        subject = taken.subject
+        return schedule_of(self._system, subject.start, subject.stop, self._request.step).assumed_step
 
     def _instants(self, horizon: Horizon) -> list[float]:
         """Return the instants asked for, else the end of the interval."""
-        asked = [parse_scalar(self._system, text, "--at") for text in self._request.at]
-        found = sorted({constant_value(one, constants_of(self._system)) for one in asked})
+        found = sorted({self._instant(text) for text in self._request.at})
         for t in found:
-            if not horizon.start <= t < np.inf:
+            if t < horizon.start:
                 raise UnfitRequestError(
                     f"the instant {t:.6g} is before the start {horizon.start:.6g} (--from)"
                 )
         return found or [horizon.stop]
+
+    def _instant(self, text: str) -> float:
+        """Return an instant given as an expression."""
+        asked, constants = parse_scalar(self._system, text, "--at"), constants_of(self._system)
+        unknown_names = sorted(symbols(asked) - constants.keys())
+        if unknown_names:
+            raise UnfitRequestError(
+                f"--at {text}: {', '.join(unknown_names)} has no value that is a constant"
+            )
+        t = constant_value(asked, constants)
+        if not np.isfinite(t):
+            raise UnfitRequestError(f"--at {text}: the instant is not finite")
+        return t
 
     def _reordered(self, taken: Taken) -> Iterator[Reordering]:
         """Yield the measures by which the states rank otherwise in other units that the file gives."""
@@ -306,11 +334,16 @@ def _limit_value(one: Requirement, taken: Taken) -> float:
 
 
 def _held(taken: Taken, thresholds: Mapping[str, float]) -> Iterator[Limit]:
-    """Yield the states and quantities held against thresholds."""
+    """Yield the states and quantities held against thresholds.
+
+    The number of what is not observable means nothing where larger is better: it is missed.
+    """
     for key, limit in thresholds.items():
-        for target in taken.subject.targets:
-            value = taken.value(key, target.name)
-            if target.kind == "combination" or value is None:
+        found = taken.found[key]
+        larger = BY_KEY[key].better == "larger"
+        for k, target in enumerate(taken.subject.targets):
+            value = found.targets[k] if isinstance(found, Found) else None
+            if target.kind == "combination" or (value is None and isinstance(found, Found)):
                 continue
-            met = value <= limit if BY_KEY[key].better == "smaller" else value >= limit
-            yield Limit(key, target.name, limit, value, met)
+            met = None if value is None else value >= limit if larger else value <= limit
+            yield Limit(key, target.name, limit, value, met and not (larger and target.observable is False))

@@ -47,6 +47,8 @@ def _measures(result: MeasuresResult) -> dict[str, object]:
             for one in result.measures
         },
         "options": {one.key: dict(last.subject.options[one.key]) for one in result.measures if one.options},
+        "assumed_step": result.assumed_step,
+        "sampled_functions": list(result.sampled),
         "limits": [_limit(one) for one in result.limits],
         "reordered": [
             {"measure": one.key, "ranking": list(one.given), "other": list(one.other), "units": one.units}

@@ -75,6 +75,8 @@ class MeasuresResult:
     limits : requirements and thresholds
     reordered : where the ranking of the states depends on their units
     curves : None: not asked for, or no noise
+    assumed_step : the time between samples, where the file does not say and one had to be taken
+    sampled : functions left open, which follow a sample motion
     """
 
     model: Model
@@ -87,6 +89,8 @@ class MeasuresResult:
     limits: tuple[Limit, ...] = ()
     reordered: tuple[Reordering, ...] = ()
     curves: Curves | None = None
+    assumed_step: float | None = None
+    sampled: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:

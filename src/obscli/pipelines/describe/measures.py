@@ -81,7 +81,7 @@ def _stage(result: MeasuresResult) -> Iterator[Block]:
             for one in taken:
                 yield from _instant(result, one, several=len(taken) > 1)
             yield from _limits(result)
-            yield from _notes(result, taken[-1])
+            yield from _notes(result, taken)
 
 
 def _setting(result: MeasuresResult, taken: Sequence[Taken]) -> Paragraph:
@@ -267,23 +267,43 @@ def _limits(result: MeasuresResult) -> Iterator[Block]:
 
 
 def _missed(one: Limit, result: MeasuresResult) -> str:
+    assert isinstance(result.taken, tuple)
+    target = next(known for known in result.taken[-1].subject.targets if known.name == one.target)
     better = next(measure.better for measure in result.measures if measure.key == one.key)
     asked = "at most" if better == "smaller" else "at least"
     assert one.value is not None
-    return f"{one.target}: {one.key} is {short(one.value, 4)}, {asked} {short(one.limit, 4)} asked for"
+    hidden = (
+        ""
+        if target.observable is not False or one.key == "standard-deviation"
+        else ", and it is not observable"
+    )
+    return (
+        f"{one.target}: {one.key} is {short(one.value, 4)}{hidden}, {asked} {short(one.limit, 4)} asked for"
+    )
 
 
-def _notes(result: MeasuresResult, taken: Taken) -> Iterator[Block]:
+def _notes(result: MeasuresResult, taken: Sequence[Taken]) -> Iterator[Block]:
     reasons: dict[str, list[str]] = {}
-    for measure in result.measures:
-        found = taken.found[measure.key]
-        if isinstance(found, NotComputed):
-            reasons.setdefault(found.reason, []).append(measure.key)
-            continue
-        for remark in found.remarks:
-            yield Note("warning", plain(f"{measure.key}: {remark}"))
+    warnings: dict[str, None] = {}
+    for one in taken:
+        where = f" at {number(one.subject.at)}" if len(taken) > 1 else ""
+        for measure in result.measures:
+            found = one.found[measure.key]
+            if isinstance(found, NotComputed):
+                reasons.setdefault(found.reason, []).append(f"{measure.key}{where}")
+            else:
+                warnings.update(dict.fromkeys(f"{measure.key}: {remark}" for remark in found.remarks))
+    yield from (Note("warning", plain(words)) for words in warnings)
     for reason, keys in reasons.items():
         yield Note("note", plain(f"not measured: {', '.join(keys)}: {reason}"))
+    if result.assumed_step is not None:
+        words = "the file does not say how often there is a sample: one every"
+        yield Note("note", plain(f"{words} {short(result.assumed_step, 4)} is taken (--step)"))
+    if result.sampled:
+        words = "left open in the file, taken along a sample motion"
+        yield Note(
+            "note", plain(f"{', '.join(result.sampled)}: {words}; the numbers are those of that motion")
+        )
     yield from _reordered(result)
 
 
