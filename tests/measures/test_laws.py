@@ -270,7 +270,7 @@ def test_a_closed_form_with_the_derivative_of_a_function_left_open(measure):
     found = measure("functions: [f]\nstates: [x, b]\nA: [[0, 0], [0, 0]]\nH: [[1, f]]\n", at=("2",))
     rate = found.subject.numeric.values(np.array([2.0]), {"f": 1})["f'"][0]
     assert found.state("pseudo-inverse")[1] == pytest.approx(1 / abs(rate), rel=1e-9)
-    assert to_text(found.taken.found["pseudo-inverse"].forms["b"]).count("f'") == 1
+    assert "deriv(f)" in to_text(found.taken.found["pseudo-inverse"].forms["b"])
 
 
 @pytest.mark.parametrize(
