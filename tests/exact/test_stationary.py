@@ -182,7 +182,7 @@ def random_reducible(source):
     ).systems[0]
 
 
-@pytest.mark.parametrize("seed", [*range(14), 21, 24, 27, 29])
+@pytest.mark.parametrize("seed", [*range(14), 24, 27])
 def test_random_reducible_systems_agree_with_the_observability_matrix(seed):
     system = random_reducible(random.Random(seed))
     proof = prove(system, range(system.n))
