@@ -230,6 +230,27 @@ def test_every_field_of_the_json_of_the_structure_is_explained(folder):
     assert not missing
 
 
+@pytest.mark.parametrize(
+    ("page", "part", "command", "elsewhere"),
+    [
+        (
+            "measures.md", "measures", "measures models/bagmut/accelerometer.yaml --stage attitude --times 10,50",
+            {"states", "quantities", "system", "closed_forms", "units", "options", "measures", "remarks", "direction",
+             "coefficients", "not_measured"},
+        ),
+        (
+            "reducible.md", "transform", "transform models/ins_calibration/horizontal.yaml --to stationary --stage stage_2",
+            {"A", "H", "S", "coefficients", "checks", "notes", "undecided", "reason"},
+        ),
+    ],
+)  # fmt: skip
+def test_every_field_of_the_json_of_a_page_is_explained(page, part, command, elsewhere, folder):
+    """Every key, but for names of the file and formulas, and what other pages explain."""
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    found = json.loads(run(f"obscli {command} --format json", folder))["results"][0][part]
+    assert not {key for key in _keys(found, elsewhere, set()) if not re.search(rf"`(\w+\.)*{key}`", text)}
+
+
 def _keys(value, elsewhere, named):
     if isinstance(value, list):
         for item in value:
