@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from obscli.exact.analysis import analyze
-from obscli.exact.finding import Analysis, LinearFormVerdict, Undecided
+from obscli.exact.finding import Undecided
 from obscli.exact.why import LIGHT
-from obscli.measures.catalogue import BY_KEY, MEASURES
+from obscli.measures.catalogue import BY_KEY
 from obscli.measures.covariances import bounds_at, covariances, sampled_instants, shares
-from obscli.measures.measure import Found, Measure, Option
-from obscli.measures.subject import Subject, Target
+from obscli.measures.measure import Found, Measure
+from obscli.measures.subject import Subject
 from obscli.measures.taking import in_units, ranked, reverses, take
 from obscli.model.covector import parse_scalar
-from obscli.model.expression import ONE, is_one, symbols
-from obscli.model.notation import covector_text
+from obscli.model.expression import symbols
 from obscli.model.specialise import at_nominal
-from obscli.model.system import Covector, Model, Requirement, System
+from obscli.model.system import Model, Requirement, System
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.horizon import Horizon, horizon_of
@@ -28,10 +27,12 @@ from obscli.numeric.numeric_system import NumericSystem, constants_of
 from obscli.numeric.program import Array, constant_value
 from obscli.numeric.scaling import sizes_of
 from obscli.numeric.schedule import schedule_of
+from obscli.pipelines.measure_options import Options, chosen_measures, measure_options, thresholds_of
+from obscli.pipelines.measure_targets import targets_of
 from obscli.pipelines.measures_report import MeasuresReport
 from obscli.pipelines.measures_result import Curves, Limit, MeasuresResult, Reordering, Taken
 from obscli.pipelines.numerical import settings_of
-from obscli.pipelines.reading import chosen_systems, unknown
+from obscli.pipelines.reading import chosen_systems
 from obscli.pipelines.request import Changes, MeasureScaling, MeasuresRequest, Progress, RequestError, silent
 
 
@@ -40,9 +41,6 @@ _CURVE: Final = 200
 
 #: Larger systems are not measured again in other units to see whether the ranking changes.
 _MOST_STATES: Final = 40
-
-#: What is read of one option.
-_Options = Mapping[str, Mapping[str, float | str]]
 
 
 def measures(
@@ -68,68 +66,10 @@ def measure_stage(
     model: Model, system: System, request: MeasuresRequest, progress: Progress = silent
 ) -> MeasuresResult:
     """Measure one stage; raises as ``measures``."""
-    chosen = _chosen(request.select)
-    options, thresholds = _options(chosen, request.options), _thresholds(chosen, request.thresholds)
+    chosen = chosen_measures(request.select)
+    options, thresholds = measure_options(chosen, request.options), thresholds_of(chosen, request.thresholds)
     progress(system.stage or model.name)
     return _Stage(model, system, request, chosen, options, progress).measured(thresholds)
-
-
-def _chosen(select: Sequence[str]) -> tuple[Measure, ...]:
-    if not select:
-        return tuple(one for one in MEASURES if one.always)
-    for key in select:
-        if key not in BY_KEY:
-            raise RequestError(unknown("--select: no measure", key, list(BY_KEY)))
-    return tuple(one for one in MEASURES if one.key in select)
-
-
-def _options(chosen: Sequence[Measure], given: Mapping[str, str]) -> _Options:
-    """Return the options of all measures, those given read."""
-    found = {one.key: {option.name: option.default for option in one.options} for one in MEASURES}
-    known = {f"{one.key}.{option.name}": option for one in MEASURES for option in one.options}
-    for path, text in given.items():
-        if path not in known:
-            raise RequestError(unknown("--option: no option", path, list(known)))
-        key, _, name = path.partition(".")
-        if BY_KEY[key] not in chosen:
-            raise RequestError(f"--option {path}: the measure {key} is not selected")
-        found[key][name] = _read(path, text, known[path])
-    return found
-
-
-def _read(path: str, text: str, option: Option) -> float | str:
-    if option.choices:
-        if text not in option.choices:
-            raise RequestError(f"--option {path}: {text!r} is not one of {', '.join(option.choices)}")
-        return text
-    try:
-        value = float(text)
-    except ValueError:
-        value = np.nan
-    if not 0 < value < np.inf or (option.whole and value != round(value)):
-        kind = "whole number" if option.whole else "number"
-        raise RequestError(f"--option {path}: a positive {kind} is expected, not {text!r}")
-    return value
-
-
-def _thresholds(chosen: Sequence[Measure], given: Mapping[str, str]) -> dict[str, float]:
-    found: dict[str, float] = {}
-    for key, text in given.items():
-        if key not in BY_KEY or BY_KEY[key].better is None:
-            raise RequestError(unknown("--threshold: no measure of states", key, _with_values()))
-        if BY_KEY[key] not in chosen:
-            raise RequestError(f"--threshold {key}: this measure is not selected")
-        try:
-            found[key] = float(text)
-        except ValueError:
-            found[key] = np.nan
-        if np.isnan(found[key]):
-            raise RequestError(f"--threshold {key}: a number is expected, not {text!r}")
-    return found
-
-
-def _with_values() -> list[str]:
-    return [one.key for one in MEASURES if one.better is not None]
 
 
 class _Stage:
@@ -141,7 +81,7 @@ class _Stage:
         system: System,
         request: MeasuresRequest,
         chosen: tuple[Measure, ...],
-        options: _Options,
+        options: Options,
         progress: Progress,
     ) -> None:
         self._model = model
@@ -274,49 +214,6 @@ def _other_scalings(system: System, own: MeasureScaling) -> Iterator[MeasureScal
             continue
         if other != own and not np.array_equal(sizes, sizes_of(system, own)):
             yield other
-
-
-def targets_of(system: System, analysis: Analysis, generic: Analysis | Undecided) -> tuple[Target, ...]:
-    """Return states, quantities and the combinations that are no single state, with what is known of each.
-
-    Parameters
-    ----------
-    system : as the file has it
-    analysis : of the system at the file's values
-    generic : of the system; its combinations are shown where they tell the same at the file's values
-    """
-    alike = (
-        isinstance(generic, Analysis) and generic.rank == analysis.rank and generic.states == analysis.states
-    )
-    shown = generic.combinations if alike and isinstance(generic, Analysis) else analysis.combinations
-    there = at_nominal(system)
-    states = [
-        Target(name, "state", {name: ONE}, analysis.states[name] == "observable")
-        for name in system.state_names
-    ]
-    quantities = [
-        Target(one.name, "quantity", there.covector(one.coefficients), _known(verdict.verdict))
-        for one, verdict in zip(system.quantities, analysis.quantities, strict=True)
-    ]
-    combinations = [
-        Target(
-            covector_text(one.coefficients, system.state_names),
-            "combination",
-            one.coefficients,
-            observable=True,
-        )
-        for one in shown
-        if not _is_state(one.coefficients)
-    ]
-    return (*states, *quantities, *combinations)
-
-
-def _known(verdict: LinearFormVerdict) -> bool | None:
-    return None if verdict == "undecided" else verdict == "observable"
-
-
-def _is_state(covector: Covector) -> bool:
-    return len(covector) == 1 and all(is_one(entry) for entry in covector.values())
 
 
 def _required(model: Model, taken: Taken) -> Iterator[Limit]:

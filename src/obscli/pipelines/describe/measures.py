@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 from typing import Final
 
@@ -16,7 +16,6 @@ from obscli.core.document import (
     Inline,
     Listing,
     Math,
-    Note,
     Paragraph,
     Table,
     Text,
@@ -24,8 +23,8 @@ from obscli.core.document import (
     line,
     plain,
 )
-from obscli.core.number import counted, short
 from obscli.core.number import plain as number
+from obscli.core.number import short
 from obscli.exact.finding import Undecided
 from obscli.measures.measure import Direction, Found, Measure
 from obscli.measures.subject import Target
@@ -33,8 +32,9 @@ from obscli.model.expression import symbols
 from obscli.model.notation import to_latex, to_text
 from obscli.numeric.finding import NotComputed
 from obscli.pipelines.describe.formulas import combination
+from obscli.pipelines.describe.measures_notes import limit_blocks, note_blocks, reading_blocks
 from obscli.pipelines.latex_names import latex_names
-from obscli.pipelines.measures_result import Limit, MeasuresResult, Taken
+from obscli.pipelines.measures_result import MeasuresResult, Taken
 
 
 #: Closed forms longer than this are left out, and directions are cut after so many states.
@@ -44,9 +44,6 @@ MOST_STATES: Final = 4
 #: So many directions of a list are shown, the first and the last among them; all with details.
 MOST_DIRECTIONS: Final = 6
 
-#: So many states of a ranking are named.
-MOST_RANKED: Final = 6
-
 FLAG: Final = "✗"
 LEGEND: Final = f"{FLAG}: not observable by itself, whatever the number says."
 SCALINGS: Final = {
@@ -54,19 +51,13 @@ SCALINGS: Final = {
     "prior": "the prior's standard deviations",
     "scale": "the file's `scale`",
 }
-UNITS: Final = {
-    "none": "in the file's units",
-    "prior": "in units of the prior",
-    "scale": "in units of `scale`",
-}
-BETTER: Final = {"larger": "larger is better", "smaller": "smaller is better"}
 
 
 def measures_document(results: Iterable[MeasuresResult]) -> Document:
     """Return the measures of every stage."""
     results = tuple(results)
     stages = (block for result in results for block in _stage(result))
-    return Document((*stages, *_readings(results)))
+    return Document((*stages, *reading_blocks(results)))
 
 
 def _stage(result: MeasuresResult) -> Iterator[Block]:
@@ -80,8 +71,8 @@ def _stage(result: MeasuresResult) -> Iterator[Block]:
             yield _setting(result, taken)
             for one in taken:
                 yield from _instant(result, one, several=len(taken) > 1)
-            yield from _limits(result)
-            yield from _notes(result, taken)
+            yield from limit_blocks(result)
+            yield from note_blocks(result, taken)
 
 
 def _setting(result: MeasuresResult, taken: Sequence[Taken]) -> Paragraph:
@@ -220,106 +211,3 @@ def _complex(value: complex) -> str:
     return (
         short(value.real, 4) if not value.imag else f"{short(value.real, 4)} ± {short(abs(value.imag), 4)}i"
     )
-
-
-def _readings(results: Sequence[MeasuresResult]) -> Iterator[Block]:
-    """Say how each measure taken is read, once for all stages."""
-    taken = [one.taken[-1] for one in results if isinstance(one.taken, tuple)]
-    shown = [
-        measure
-        for measure in (results[0].measures if results else ())
-        if any(isinstance(one.found[measure.key], Found) for one in taken)
-    ]
-    if not shown:
-        return
-    yield Heading(1, plain("How to read the measures"))
-    options = taken[-1].subject.options
-    yield Listing(tuple((Text(one.symbol, "strong"), Text(_reading(one, options))) for one in shown))
-    scaled = ", ".join(one.symbol for one in shown if one.scaled)
-    if scaled:
-        yield Paragraph(plain(f"With the units of the states change: {scaled}."))
-
-
-def _reading(measure: Measure, options: Mapping[str, Mapping[str, float | str]]) -> str:
-    parts = [] if measure.better is None else [BETTER[measure.better]]
-    parts.append(measure.reading)
-    if measure.options:
-        given = options[measure.key]
-        parts.append(", ".join(f"{name} = {_option(value)}" for name, value in given.items()))
-    return f" {measure.title}: {'; '.join(parts)}"
-
-
-def _option(value: float | str) -> str:
-    return value if isinstance(value, str) else short(value, 6)
-
-
-def _limits(result: MeasuresResult) -> Iterator[Block]:
-    """Say which values asked for are missed, and how many are met."""
-    for one in result.limits:
-        if one.met is None:
-            asked = f"asked for {short(one.limit, 4)}"
-            yield VerdictLine("open", plain(f"{one.target}: {one.key} is not known, {asked}"))
-        elif not one.met:
-            yield VerdictLine("bad", plain(_missed(one, result)))
-    met, count = sum(one.met is True for one in result.limits), len(result.limits)
-    if met:
-        yield VerdictLine("good", plain(f"{met} of {counted(count, 'value')} asked for met"))
-
-
-def _missed(one: Limit, result: MeasuresResult) -> str:
-    assert isinstance(result.taken, tuple)
-    target = next(known for known in result.taken[-1].subject.targets if known.name == one.target)
-    better = next(measure.better for measure in result.measures if measure.key == one.key)
-    asked = "at most" if better == "smaller" else "at least"
-    assert one.value is not None
-    hidden = (
-        ""
-        if target.observable is not False or one.key == "standard-deviation"
-        else ", and it is not observable"
-    )
-    return (
-        f"{one.target}: {one.key} is {short(one.value, 4)}{hidden}, {asked} {short(one.limit, 4)} asked for"
-    )
-
-
-def _notes(result: MeasuresResult, taken: Sequence[Taken]) -> Iterator[Block]:
-    reasons: dict[str, list[str]] = {}
-    warnings: dict[str, None] = {}
-    for one in taken:
-        where = f" at {number(one.subject.at)}" if len(taken) > 1 else ""
-        for measure in result.measures:
-            found = one.found[measure.key]
-            if isinstance(found, NotComputed):
-                reasons.setdefault(found.reason, []).append(f"{measure.key}{where}")
-            else:
-                warnings.update(dict.fromkeys(f"{measure.key}: {remark}" for remark in found.remarks))
-    yield from (Note("warning", plain(words)) for words in warnings)
-    for reason, keys in reasons.items():
-        yield Note("note", plain(f"not measured: {', '.join(keys)}: {reason}"))
-    if result.assumed_step is not None:
-        words = "the file does not say how often there is a sample: one every"
-        yield Note("note", plain(f"{words} {short(result.assumed_step, 4)} is taken (--step)"))
-    if result.sampled:
-        words = "left open in the file, taken along a sample motion"
-        yield Note(
-            "note", plain(f"{', '.join(result.sampled)}: {words}; the numbers are those of that motion")
-        )
-    yield from _reordered(result)
-
-
-def _reordered(result: MeasuresResult) -> Iterator[Block]:
-    """Warn where the ranking of the states is one of their units; measures that rank alike together."""
-    symbols_of = {measure.key: measure.symbol for measure in result.measures}
-    alike: dict[tuple[str, tuple[str, ...], tuple[str, ...]], list[str]] = {}
-    for one in result.reordered:
-        alike.setdefault((one.units, one.given, one.other), []).append(symbols_of[one.key])
-    for (units, given, other), which in alike.items():
-        words = (
-            f"the ranking of the states by {', '.join(which)} depends on their units. Best first, "
-            f"{UNITS[result.scaling]}: {_few(given)}; {UNITS[units]}: {_few(other)}"
-        )
-        yield Note("warning", plain(words))
-
-
-def _few(names: tuple[str, ...]) -> str:
-    return ", ".join(names if len(names) <= MOST_RANKED else (*names[:MOST_RANKED], "…"))
