@@ -17,7 +17,7 @@ Options: TypeAlias = Mapping[str, Mapping[str, float | str]]
 
 
 def chosen_measures(select: Sequence[str]) -> tuple[Measure, ...]:
-    """Return the measures of some keys in order, unasked all but habits; ``RequestError`` for an unknown key."""
+    """Return the measures of some keys in order, unasked all but habits; an unknown key is refused."""
     if not select:
         return tuple(one for one in MEASURES if one.always)
     for key in select:
