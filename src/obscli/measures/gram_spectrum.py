@@ -2,7 +2,7 @@
 
     S = C U,   Cᵀ C w_i = σ_i² w_i,   v_i = Uᵀ w_i
 
-Squaring C costs half of the digits, and of those there are enough: hundreds of bits.
+Squaring C costs half of the digits, and of those there are to be enough: ``survives_squaring``.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from flint import acb_mat, arb, arb_mat
+
+from obscli.measures.in_range import as_double
 
 
 #: Singular values that agree so well, relatively, are one: data in double precision tell no more.
@@ -35,9 +37,14 @@ class GramSpectrum:
     U: arb_mat
 
     @property
-    def values(self) -> tuple[float, ...]:
-        """σ_i."""
-        return tuple(float(one.sqrt()) for one in self.squares)
+    def values(self) -> tuple[float | None, ...]:
+        """σ_i, None where one is beyond double precision."""
+        return tuple(as_double(one.sqrt()) for one in self.squares)
+
+    @property
+    def condition(self) -> arb:
+        """σ_1/σ_r, ∞ where r is 0."""
+        return (self.squares[0] / self.squares[-1]).sqrt() if self.squares else arb.pos_inf()
 
     @property
     def clusters(self) -> tuple[tuple[int, ...], ...]:

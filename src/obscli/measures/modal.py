@@ -16,14 +16,14 @@ from flint import acb, acb_mat, arb
 
 from obscli.exact.ball import BallPoint, precision
 from obscli.measures.measure import Direction, Found, Measure, NotMeasuredError
-from obscli.measures.mode_values import largest, mode_values
+from obscli.measures.mode_values import is_rational, largest, mode_values
 from obscli.measures.mode_vectors import UnresolvedModeError, half_precision, mode_vectors
 from obscli.measures.subject import Subject
 
 
-#: Bits in the order tried, and per state.
-_PRECISIONS: Final = (600, 1500, 6000)
-_PER_STATE: Final = 30
+#: Bits in the order tried; a state, where the matrix is not rational.
+_PRECISIONS: Final = (400, 1500, 6000)
+_PER_STATE: Final = 60
 
 _MOST_STATES: Final = 40
 
@@ -35,8 +35,9 @@ def modal(subject: Subject) -> Found:
         raise NotMeasuredError("modes are those of a time-invariant system; this one depends on time")
     if n > _MOST_STATES:
         raise NotMeasuredError(f"modes are found for up to {_MOST_STATES} states")
+    fewest = 0 if is_rational(subject.there.A.entries) else _PER_STATE * n
     for bits in _PRECISIONS:
-        with precision(max(bits, _PER_STATE * n), 1):
+        with precision(max(bits, fewest), 1):
             try:
                 found = _modes(subject)
             except UnresolvedModeError:
@@ -47,13 +48,8 @@ def modal(subject: Subject) -> Found:
 
 def _modes(subject: Subject) -> list[Direction]:
     A, H = _matrices(subject)
-    pairs = [
-        pair
-        for mode in mode_values(subject.there.A.entries, A)
-        if mode.value.imag >= 0
-        for pair in mode_vectors(A, mode)
-    ]
-    found = [_mode(subject, H, value, vectors) for value, vectors in pairs]
+    modes = [one for one in mode_values(subject.there.A.entries, A) if one.value.imag >= 0]
+    found = [_mode(subject, H, one.value, mode_vectors(A, one)) for one in modes]
     if subject.rank == subject.n and any(one.value == 0 for one in found):
         raise UnresolvedModeError
     return found

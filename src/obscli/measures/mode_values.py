@@ -4,14 +4,14 @@
 
 Over rational numbers the polynomial and its factors are exact, and roots are isolated however far apart their
 sizes are. Entries such as √2 or π are balls. A k-fold eigenvalue of these scatters by about ‖A‖ 2^(−bits/k);
-what lies within ‖A‖ 2^(−bits/2n), k ≤ n, may be one.
+what lies within ‖A‖ 2^(−bits/2n), k ≤ n, is taken as one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
+from typing import cast
 
 from flint import acb, acb_mat, arb, ctx, fmpq, fmpq_mat
 
@@ -20,15 +20,10 @@ from obscli.model.expression import Expression, Number
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ModeValue:
-    """An eigenvalue: the ``members`` are its own copies, all alike where it is known to be one."""
+    """An eigenvalue, and how often it occurs."""
 
     value: acb
-    members: tuple[acb, ...]
-
-    @property
-    def is_simple(self) -> bool:
-        """Whether it occurs once."""
-        return len(self.members) == 1
+    count: int
 
 
 def mode_values(entries: Mapping[tuple[int, int], Expression], A: acb_mat) -> list[ModeValue]:
@@ -39,17 +34,21 @@ def mode_values(entries: Mapping[tuple[int, int], Expression], A: acb_mat) -> li
     entries : of the matrix, those not given are zero
     A : their values to the precision in force, in whatever units of the states
     """
-    exact = {place: one.value for place, one in entries.items() if isinstance(one, Number)}
-    return _roots(exact, A.nrows()) if len(exact) == len(entries) else _clusters(A)
+    return _roots(entries, A.nrows()) if is_rational(entries) else _clusters(A)
 
 
-def _roots(entries: Mapping[tuple[int, int], Fraction], n: int) -> list[ModeValue]:
+def is_rational(entries: Mapping[tuple[int, int], Expression]) -> bool:
+    """Whether all entries are rational numbers."""
+    return all(isinstance(one, Number) for one in entries.values())
+
+
+def _roots(entries: Mapping[tuple[int, int], Expression], n: int) -> list[ModeValue]:
     matrix = fmpq_mat(n, n)
     for (i, j), entry in entries.items():
-        matrix[i, j] = fmpq(entry.numerator, entry.denominator)
-    roots = matrix.charpoly().numer().complex_roots()
-    values = [(acb(arb(root.real).mid(), arb(root.imag).mid()), count) for root, count in roots]
-    return [ModeValue(value, (value,) * count) for value, count in values]
+        assert isinstance(entry, Number)
+        matrix[i, j] = fmpq(entry.value.numerator, entry.value.denominator)
+    roots = cast("list[tuple[acb, int]]", matrix.charpoly().numer().complex_roots())
+    return [ModeValue(acb(root).mid(), int(count)) for root, count in roots]
 
 
 def _clusters(A: acb_mat) -> list[ModeValue]:
@@ -61,11 +60,7 @@ def _clusters(A: acb_mat) -> list[ModeValue]:
         near = [g for g in groups if any(abs(value - one) <= apart for one in g)]
         joined = [value.mid(), *(one for g in near for one in g)]
         groups = [g for g in groups if g not in near] + [joined]
-    found = []
-    for group in groups:
-        members = tuple(_clean(one, size) for one in group)
-        found.append(ModeValue(_clean(sum(group, acb(0)) / len(group), size), members))
-    return found
+    return [ModeValue(_clean(sum(group, acb(0)) / len(group), size), len(group)) for group in groups]
 
 
 def _clean(value: acb, size: arb) -> acb:

@@ -33,22 +33,20 @@ def half_precision() -> arb:
     return arb(2) ** -(ctx.prec // 2)
 
 
-def mode_vectors(A: acb_mat, mode: ModeValue) -> list[tuple[acb, acb_mat]]:
-    """Return eigenvalues and bases of their vectors, columns; use inside ``precision``.
-
-    It is one pair, unless the members of the mode are near each other but not the same.
+def mode_vectors(A: acb_mat, mode: ModeValue) -> acb_mat:
+    """Return a basis of the vectors of an eigenvalue, columns; use inside ``precision``.
 
     Raises
     ------
     UnresolvedModeError
         where more digits are needed
     """
-    if mode.is_simple:
-        return [(mode.value, _vector(A, mode.value))]
+    if mode.count == 1:
+        return _vector(A, mode.value)
     vectors = _null_space(A, mode.value)
-    if vectors.ncols():
-        return [(mode.value, vectors)]
-    return [(one, _vector(A, one)) for one in mode.members]
+    if not vectors.ncols():  # the mean of eigenvalues that are near each other, and not the same
+        raise UnresolvedModeError
+    return vectors
 
 
 def _vector(A: acb_mat, value: acb) -> acb_mat:
@@ -60,7 +58,7 @@ def _vector(A: acb_mat, value: acb) -> acb_mat:
     vector = acb_mat(n, 1, [acb(1) / (k + 3) for k in range(n)])
     for _ in range(_MOST_ITERATIONS):
         before, vector = vector, _unit(shifted.solve(vector, algorithm="approx").mid())
-        if largest(vector - before) <= half_precision():
+        if largest(vector - before) ** 2 <= half_precision():  # what was left of the rest is squared now
             return vector
     raise UnresolvedModeError
 
