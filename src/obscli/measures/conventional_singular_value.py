@@ -31,7 +31,7 @@ def conventional_singular_value(subject: Subject) -> Found:
     """Return the largest σ_i given to each state."""
     with precision(subject.local.bits, 1):
         spectrum = local_spectrum(subject)
-        vectors = [np.abs(spectrum.right_vector(i)) for i in range(subject.rank)]
+        vectors = [np.abs([float(one) for one in spectrum.right_vector(i)]) for i in range(subject.rank)]
         values, repeated = spectrum.values, any(len(one) > 1 for one in spectrum.clusters)
     given: dict[int, float | None] = {}
     tied = False

@@ -63,13 +63,13 @@ class GramSpectrum:
         diagonal = arb_mat(r, r, [f[i] if i == j else 0 for i in range(r) for j in range(r)])
         return self.vectors * diagonal * self.inverse
 
-    def right_vector(self, i: int) -> tuple[float, ...]:
+    def right_vector(self, i: int) -> tuple[arb, ...]:
         """Return v_i of unit length, n numbers."""
         r = len(self.squares)
         w = arb_mat(1, r, [self.vectors[k, i] for k in range(r)])
         v = (w * self.U).entries()
         size = sum((entry * entry for entry in v), arb(0)).sqrt()
-        return tuple(float(entry / size) for entry in v)
+        return tuple(entry / size for entry in v)
 
 
 def gram_spectrum(C: arb_mat, U: arb_mat) -> GramSpectrum:

@@ -31,7 +31,7 @@ def directions_of(subject: Subject, spectrum: GramSpectrum) -> tuple[Direction, 
     Use inside ``precision``. A singular value beyond double precision is not a number.
     """
     found = [
-        Direction(or_nan(value), subject.named(np.array(spectrum.right_vector(i))))
+        Direction(or_nan(value), subject.named(np.array([float(one) for one in spectrum.right_vector(i)])))
         for i, value in enumerate(spectrum.values)
     ]
     return (*found, *(Direction(0.0, {}) for _ in range(subject.n - len(found))))
