@@ -26,6 +26,11 @@ H: [[1, 0, 1, 0, 1, 0, 1]]
 MATRIX_MEASURES = ("pseudo-inverse", "determinant", "singular-values", "equivalent-singular-value")
 
 
+def near(expected, rel=1e-12):
+    """Return what is equal to numbers however small; none of them is zero."""
+    return pytest.approx(expected, rel=rel, abs=0)
+
+
 def integrators(n, coupling):
     return np.diag([coupling] * (n - 1), 1), np.eye(n)[:1]
 
@@ -45,10 +50,10 @@ def inertial_matrix():
 
 
 def integrated(n, coupling, time):
-    """Return W of a chain of integrators: h(s) = (c s)^j/j! backwards from the end, (−1)^j left out by a sign."""
+    """Return W of a chain of integrators, every other state with the other sign: h_j(s) = (c s)^j/j!."""
     c, T = mpmath.mpf(coupling), mpmath.mpf(time)
     terms = [c**j / mpmath.factorial(j) for j in range(n)]
-    return mpmath.matrix(n, n) + mpmath.matrix(
+    return mpmath.matrix(
         [[terms[i] * terms[j] * T ** (i + j + 1) / (i + j + 1) for j in range(n)] for i in range(n)]
     )
 
@@ -67,7 +72,7 @@ def integrated(n, coupling, time):
     ],
 )
 def test_modes_are_told_apart_however_far_apart_their_sizes_are(A, H, factors, of_matrices):
-    assert of_matrices(A, H, select=("modal",)).sizes("modal") == pytest.approx(factors, rel=1e-12)
+    assert of_matrices(A, H, select=("modal",)).sizes("modal") == near(factors)
 
 
 def test_a_multiple_eigenvalue_that_is_no_rational_number_stays_one(measure):
@@ -78,14 +83,14 @@ def test_a_multiple_eigenvalue_that_is_no_rational_number_stays_one(measure):
         select=("modal",),
     )
     smallest = np.linalg.svd([[1, 1], [0, 1e-3]], compute_uv=False)[-1]
-    assert found.sizes("modal") == pytest.approx([smallest, 2**0.5], rel=1e-9)
+    assert found.sizes("modal") == near([smallest, 2**0.5], rel=1e-9)
 
 
 def test_eigenvalues_near_each_other_that_are_no_rational_numbers_are_two(measure):
     found = measure(
         "states: [a, b]\nH: [[1, 2]]\nA: [[sqrt(2), 0], [0, sqrt(2) + 1e-300]]\n", select=("modal",)
     )
-    assert found.sizes("modal") == pytest.approx([1, 2], rel=1e-12)
+    assert found.sizes("modal") == near([1, 2])
 
 
 @pytest.mark.parametrize(
@@ -98,7 +103,7 @@ def test_a_mode_of_a_multiple_eigenvalue_that_is_not_observable_has_the_factor_z
 
 def test_a_mode_that_hardly_shows_is_not_zero(of_matrices):
     found = of_matrices(np.diag([1.0, 2.0]), [[1, 1e-200]], select=("modal",))
-    assert found.sizes("modal") == pytest.approx([1e-200, 1], rel=1e-12)
+    assert found.sizes("modal") == near([1e-200, 1])
 
 
 def test_the_matrix_of_an_ill_conditioned_system_has_the_measures_of_exact_arithmetic(measure):
@@ -111,10 +116,10 @@ def test_the_matrix_of_an_ill_conditioned_system_has_the_measures_of_exact_arith
         sizes = [mpmath.sqrt(one) for one in squares]
         gains = [float(sum(V[k, i] ** 2 * sizes[i] for i in range(7))) for k in range(7)]
         determinant = float(mpmath.det(M) ** 2)
-    assert found.state("pseudo-inverse") == pytest.approx(rows, rel=1e-12)
-    assert found.sizes("singular-values") == pytest.approx([float(one) for one in reversed(sizes)], rel=1e-12)
-    assert found.state("equivalent-singular-value") == pytest.approx(gains, rel=1e-12)
-    assert found.system("determinant") == pytest.approx(determinant, rel=1e-12)
+    assert found.state("pseudo-inverse") == near(rows)
+    assert found.sizes("singular-values") == near([float(one) for one in reversed(sizes)])
+    assert found.state("equivalent-singular-value") == near(gains)
+    assert found.system("determinant") == near(determinant)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -131,18 +136,18 @@ def test_random_rows_of_very_different_sizes(seed, of_matrices):
         inverse, sizes = M**-1, mpmath.eigsy(M.T * M, eigvals_only=True)
         largest = [float(max(abs(inverse[i, j]) for j in range(6))) for i in range(6)]
         expected = [float(mpmath.sqrt(one)) for one in reversed(sizes)]
-    assert found.state("pseudo-inverse") == pytest.approx(largest, rel=1e-12)
-    assert found.sizes("singular-values") == pytest.approx(expected, rel=1e-12)
+    assert found.state("pseudo-inverse") == near(largest)
+    assert found.sizes("singular-values") == near(expected)
 
 
 def test_singular_values_beyond_double_precision_have_no_value_and_the_condition_its_logarithm(of_matrices):
     """σ_k = 10^(−12 k): the last is 1e−348."""
     found = of_matrices(*integrators(30, 1e-12), select=("singular-values", "conventional-singular-value"))
     sizes = found.sizes("singular-values")
-    assert sizes[:26] == pytest.approx([10.0 ** (-12 * k) for k in range(26)], rel=1e-12)
+    assert sizes[:26] == near([10.0 ** (-12 * k) for k in range(26)])
     assert all(math.isnan(one) for one in sizes[26:])
     assert math.isnan(found.system("condition-number"))
-    assert found.system("condition-number-observable-log10") == pytest.approx(348, rel=1e-12)
+    assert found.system("condition-number-observable-log10") == near(348)
     assert "4 singular values are beyond the range" in found.taken.found["singular-values"].remarks[0]
     assert found.state("conventional-singular-value")[26:] == [None] * 4
 
@@ -152,7 +157,7 @@ def test_a_determinant_beyond_double_precision_has_its_logarithm_and_no_value(of
     for coupling, logarithm in ((1e-5, -1200), (1e5, 1200)):
         found = of_matrices(*integrators(16, coupling), stop="1e-6", select=("determinant",))
         assert math.isnan(found.system("determinant"))
-        assert found.system("determinant-log10") == pytest.approx(logarithm, rel=1e-12)
+        assert found.system("determinant-log10") == near(logarithm)
         assert "determinant-log10" in found.taken.found["determinant"].remarks[0]
 
 
@@ -164,7 +169,7 @@ def test_a_value_of_an_observable_state_is_not_made_zero_or_infinite_by_rounding
         ("column-norm", 1e-160),
         ("equivalent-singular-value", 1e-160),
     ):
-        assert found.state(key) == [pytest.approx(first, rel=1e-12), None]
+        assert found.state(key) == [near(first), None]
         assert "a value is beyond the range" in found.taken.found[key].remarks[0]
 
 
@@ -186,7 +191,7 @@ def test_eigenvalues_of_the_gramian_that_are_shown_have_four_digits(n, coupling,
     shown = np.array(found.sizes("gramian-singular-values"))
     there = np.isfinite(shown)
     assert there[:known].all()
-    assert shown[there] == pytest.approx(expected[there], rel=1e-4)
+    assert shown[there] == near(expected[there], rel=1e-4)
     told = found.taken.found["gramian-singular-values"].remarks
     assert bool(told) == (not there.all())
 
@@ -203,9 +208,7 @@ def test_another_unit_of_a_state_does_not_blur_the_gramian(measure):
     with mpmath.workdps(DIGITS):
         D = mpmath.diag([10**9, 1, mpmath.mpf(10) ** -9])
         values = mpmath.eigsy(D * integrated(3, 1, 1) * D, eigvals_only=True)
-    assert found.sizes("gramian-singular-values") == pytest.approx(
-        [float(one) for one in reversed(values)], rel=1e-9
-    )
+    assert found.sizes("gramian-singular-values") == near([float(one) for one in reversed(values)], rel=1e-9)
 
 
 def test_the_filter_is_never_worse_than_no_measurements(of_matrices):
