@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from typing import Final
 
-import numpy as np
 from flint import arb
 
 from obscli.exact.ball import precision
+from obscli.measures.in_range import as_double, beyond, of_states
 from obscli.measures.measure import Found, Measure
 from obscli.measures.subject import Subject
 
@@ -24,8 +24,8 @@ def column_norm(subject: Subject) -> Found:
         squares = [
             sum((row[j] * row[j] for row in local.rows.tolist()), start=arb(0)) for j in range(subject.n)
         ]
-        values = np.array([float(one.nonnegative_part().sqrt()) for one in squares])
-    return Found(subject.of_states(values))
+        values = [as_double(one.nonnegative_part().sqrt()) for one in squares]
+    return Found(of_states(subject, values), remarks=beyond(values.count(None)))
 
 
 COLUMN_NORM: Final = Measure(

@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 
 from obscli.exact.ball import precision
+from obscli.measures.in_range import beyond
 from obscli.measures.local_spectrum import local_spectrum
 from obscli.measures.measure import Found, Measure
 from obscli.measures.subject import Subject
@@ -30,9 +31,9 @@ def conventional_singular_value(subject: Subject) -> Found:
     """Return the largest σ_i given to each state."""
     with precision(subject.local.bits, 1):
         spectrum = local_spectrum(subject)
-        vectors = [np.abs(spectrum.right_vector(i)) for i in range(subject.rank)]
+        vectors = [np.abs([float(one) for one in spectrum.right_vector(i)]) for i in range(subject.rank)]
         values, repeated = spectrum.values, any(len(one) > 1 for one in spectrum.clusters)
-    given: dict[int, float] = {}
+    given: dict[int, float | None] = {}
     tied = False
     for vector, value in zip(vectors, values, strict=True):
         first, *rest = np.argsort(-vector, kind="stable")
@@ -41,7 +42,11 @@ def conventional_singular_value(subject: Subject) -> Found:
     states = iter(range(subject.n))
     targets = tuple(given.get(next(states)) if is_state else None for is_state in subject.is_state)
     return Found(
-        targets, remarks=tuple(_remarks(repeated=repeated, tied=tied, given=len(given), n=subject.n))
+        targets,
+        remarks=(
+            *_remarks(repeated=repeated, tied=tied, given=len(given), n=subject.n),
+            *beyond(values.count(None), "singular value"),
+        ),
     )
 
 

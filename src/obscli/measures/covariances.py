@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 #: Directions that weigh less than this, columns of unit length, are not told apart in double precision.
 _RESOLVED: Final = 1e-13
 
+#: Deviations from two square roots that belong to equal covariances differ by no more, relatively.
+_ROUNDING: Final = 1e-12
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Covariances:
@@ -88,9 +91,13 @@ def sampled_instants(subject: Subject, most: int) -> Array:
 
 
 def shares(found: Covariances) -> Array:
-    """Return 1 − σ⁺/σ⁻, shape (instants, k); not a number where σ⁻ is zero."""
+    """Return 1 − σ⁺/σ⁻, shape (instants, k); not a number where σ⁻ is zero.
+
+    The filter is never worse than no measurements (P⁺ ≤ P⁻): what is below zero by rounding is zero.
+    """
     with np.errstate(invalid="ignore", divide="ignore"):
         part: Array = 1 - found.after / found.open_loop
+    part = np.where((part < 0) & (part > -_ROUNDING), 0.0, part)
     return np.where(found.open_loop > 0, part, np.nan)
 
 

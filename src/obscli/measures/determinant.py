@@ -17,8 +17,12 @@ from typing import Final
 from flint import arb
 
 from obscli.exact.ball import precision
+from obscli.measures.in_range import as_double, or_nan
 from obscli.measures.measure import Found, Measure, SystemValue
 from obscli.measures.subject import Subject
+
+
+_REMARKS: Final = ("it is beyond the range of double precision: see its logarithm, determinant-log10",)
 
 
 def determinant(subject: Subject) -> Found:
@@ -30,9 +34,10 @@ def determinant(subject: Subject) -> Found:
         logarithm = float(product.log() / arb(10).log())
         if subject.rank < subject.n:
             return Found(system={"determinant": 0.0, "pseudo-determinant-log10": logarithm})
-        found: dict[str, SystemValue] = {"determinant": float(product), "determinant-log10": logarithm}
+        value = as_double(product)
+    found: dict[str, SystemValue] = {"determinant": or_nan(value), "determinant-log10": logarithm}
     forms = {} if subject.closed is None else {"determinant": subject.closed.determinant}
-    return Found(system=found, forms=forms)
+    return Found(system=found, forms=forms, remarks=_REMARKS if value is None else ())
 
 
 DETERMINANT: Final = Measure(

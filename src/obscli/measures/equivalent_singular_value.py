@@ -14,8 +14,7 @@ from __future__ import annotations
 
 from typing import Final
 
-import numpy as np
-
+from obscli.measures.in_range import beyond, of_states
 from obscli.measures.local_spectrum import root_of_gram
 from obscli.measures.measure import Found, Measure
 from obscli.measures.subject import Subject
@@ -23,7 +22,8 @@ from obscli.measures.subject import Subject
 
 def equivalent_singular_value(subject: Subject) -> Found:
     """Return σ̃ of every state."""
-    return Found(subject.of_states(np.array(root_of_gram(subject))))
+    values = root_of_gram(subject)
+    return Found(of_states(subject, values), remarks=beyond(values.count(None)))
 
 
 EQUIVALENT_SINGULAR_VALUE: Final = Measure(

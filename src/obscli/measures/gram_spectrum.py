@@ -2,7 +2,7 @@
 
     S = C U,   Cᵀ C w_i = σ_i² w_i,   v_i = Uᵀ w_i
 
-Squaring C costs half of the digits, and of those there are enough: hundreds of bits.
+Squaring C costs half of the digits, and of those there are to be enough: ``survives_squaring``.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from flint import acb_mat, arb, arb_mat
+
+from obscli.measures.in_range import as_double
 
 
 #: Singular values that agree so well, relatively, are one: data in double precision tell no more.
@@ -35,9 +37,14 @@ class GramSpectrum:
     U: arb_mat
 
     @property
-    def values(self) -> tuple[float, ...]:
-        """σ_i."""
-        return tuple(float(one.sqrt()) for one in self.squares)
+    def values(self) -> tuple[float | None, ...]:
+        """σ_i, None where one is beyond double precision."""
+        return tuple(as_double(one.sqrt()) for one in self.squares)
+
+    @property
+    def condition(self) -> arb:
+        """σ_1/σ_r, ∞ where r is 0."""
+        return (self.squares[0] / self.squares[-1]).sqrt() if self.squares else arb.pos_inf()
 
     @property
     def clusters(self) -> tuple[tuple[int, ...], ...]:
@@ -56,13 +63,13 @@ class GramSpectrum:
         diagonal = arb_mat(r, r, [f[i] if i == j else 0 for i in range(r) for j in range(r)])
         return self.vectors * diagonal * self.inverse
 
-    def right_vector(self, i: int) -> tuple[float, ...]:
+    def right_vector(self, i: int) -> tuple[arb, ...]:
         """Return v_i of unit length, n numbers."""
         r = len(self.squares)
         w = arb_mat(1, r, [self.vectors[k, i] for k in range(r)])
         v = (w * self.U).entries()
         size = sum((entry * entry for entry in v), arb(0)).sqrt()
-        return tuple(float(entry / size) for entry in v)
+        return tuple(entry / size for entry in v)
 
 
 def gram_spectrum(C: arb_mat, U: arb_mat) -> GramSpectrum:

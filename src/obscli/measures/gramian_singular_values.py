@@ -3,7 +3,7 @@
     W(t, t_0) = ∫ Φᵀ Hᵀ H Φ dτ = Rᵀ R,   λ_i = σ_i(R)²
 
 The outputs' energy from a state along v_i is λ_i. n − r of them are zero, known exactly; of the others those
-below the error of R have no value.
+that the error of R leaves without four digits have no value.
 """
 
 from __future__ import annotations
@@ -12,12 +12,18 @@ from typing import Final
 
 import numpy as np
 
+from obscli.measures.in_range import as_double
 from obscli.measures.measure import Direction, Found, Measure, NotMeasuredError
+from obscli.measures.root_spectrum import RootSpectrum, root_spectrum
 from obscli.measures.subject import Subject
 from obscli.numeric.analysis import affordable_steps
 from obscli.numeric.rates import rates_of
 from obscli.numeric.settings import STEP_ERROR, Effort
 from obscli.numeric.square_root import square_root_gramian
+
+
+#: Singular values whose relative error is below this have four digits, and their squares.
+_KNOWN: Final = 5e-5
 
 
 def gramian_singular_values(subject: Subject) -> Found:
@@ -28,19 +34,27 @@ def gramian_singular_values(subject: Subject) -> Found:
     rates = rates_of(numeric, np.linspace(subject.start, subject.at, 18)[1:-1])
     effort = Effort(STEP_ERROR["square-root"], affordable_steps(numeric))
     gramian = square_root_gramian(numeric, subject.start, np.array([subject.at]), rates, effort)
-    factors = (subject.units / gramian.units[0])[None]
-    scaled = gramian.in_units(factors)
-    _, values, right = np.linalg.svd(scaled.matrices[0])
-    found = []
-    for k, (value, v) in enumerate(zip(values, right, strict=True)):
-        wrong = float(np.sqrt(max(v @ scaled.error[0] @ v, 0.0)))
-        known = k < subject.rank and value > wrong
-        found.append(Direction(float(value**2) if known else 0.0 if k >= subject.rank else np.nan, {}))
-        if known:
-            found[-1] = Direction(float(value**2), subject.named(v))
+    spectrum = root_spectrum(
+        gramian.matrices[0], gramian.error[0], subject.units / gramian.units[0], subject.rank
+    )
+    found = [_direction(subject, spectrum, i) for i in range(subject.rank)]
     lost = sum(np.isnan(one.value) for one in found)
-    remark = f"{lost} eigenvalues of the Gramian are below its error" if lost else ""
-    return Found(system={"gramian-singular-values": tuple(found)}, remarks=(remark,) if lost else ())
+    zeros = [Direction(0.0, {})] * (subject.n - subject.rank)
+    return Found(system={"gramian-singular-values": (*found, *zeros)}, remarks=_remarks(lost))
+
+
+def _direction(subject: Subject, spectrum: RootSpectrum, i: int) -> Direction:
+    value = as_double(spectrum.squares[i]) if spectrum.wrong[i] < _KNOWN else None
+    if not value:
+        return Direction(np.nan, {})
+    return Direction(value, subject.named(np.array([float(one) for one in spectrum.vectors[i]])))
+
+
+def _remarks(lost: int) -> tuple[str, ...]:
+    if not lost:
+        return ()
+    many = f"{lost} eigenvalues of the Gramian are" if lost > 1 else "an eigenvalue of the Gramian is"
+    return (f"{many} not known to four digits, or beyond the range of double precision",)
 
 
 GRAMIAN_SINGULAR_VALUES: Final = Measure(

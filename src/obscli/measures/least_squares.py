@@ -22,6 +22,7 @@ from flint import arb, arb_mat
 
 from obscli.exact.ball import precision
 from obscli.measures.gram_spectrum import GramSpectrum, gram_spectrum
+from obscli.measures.in_range import as_double, beyond
 from obscli.measures.local import PRECISIONS, as_matrix, local
 from obscli.measures.measure import Found, Measure, NotMeasuredError, Option
 from obscli.measures.subject import Subject
@@ -36,6 +37,9 @@ _KEY: Final = "least-squares"
 _STEP_ERROR: Final = 1e-14
 _MOST: Final = 20_000
 
+#: Samples have m n numbers each; so many in all are worked on.
+_MOST_ENTRIES: Final = 1_000_000
+
 #: In double precision rows do not tell directions apart whose singular values, columns alike, are so far.
 _RESOLVED: Final = 1e-12
 
@@ -43,6 +47,7 @@ _RESOLVED: Final = 1e-12
 def least_squares(subject: Subject) -> Found:
     """Return μ of every target from N samples without noise."""
     count, step = round(subject.number(_KEY, "N")), subject.number(_KEY, "dt")
+    _require_affordable(subject, count)
     end = subject.start + (count - 1) * step
     rows = _rows(subject, step, count) * subject.number(_KEY, "W") * subject.units
     there = local(subject.numeric, subject.there, subject.rank, end, subject.units)
@@ -54,10 +59,20 @@ def least_squares(subject: Subject) -> Found:
         spectrum = gram_spectrum(C, U)
         z = as_matrix(subject.covectors(end), subject.n) * U.transpose()
         values = [
-            _largest(spectrum, z, k) if observable else np.inf
+            as_double(_largest(spectrum, z, k)) if observable else np.inf
             for k, observable in enumerate(subject.observable)
         ]
-    return Found(tuple(values))
+    return Found(tuple(values), remarks=beyond(values.count(None)))
+
+
+def _require_affordable(subject: Subject, count: int) -> None:
+    n, m = subject.n, subject.there.m
+    most = _MOST_ENTRIES // max(m * n, 1)
+    if count > most:
+        raise NotMeasuredError(
+            f"{count} samples of {n} states and {m} outputs are too many: take at most {most}, farther apart "
+            f"(--option least-squares.N={most}, least-squares.dt=…)"
+        )
 
 
 def _rows(subject: Subject, step: float, count: int) -> Array:
@@ -91,15 +106,15 @@ def _require_resolved(C: arb_mat, count: int) -> None:
         )
 
 
-def _largest(spectrum: GramSpectrum, z: arb_mat, k: int) -> float:
+def _largest(spectrum: GramSpectrum, z: arb_mat, k: int) -> arb:
     """Return max_λ ‖P_λ z_k‖/λ."""
     r = len(spectrum.squares)
-    largest = 0.0
+    largest = arb(0)
     for cluster in spectrum.clusters:
         chosen = tuple(arb(1) if i in cluster else arb(0) for i in range(r))
         row = arb_mat(1, r, [z[k, j] for j in range(r)]) * spectrum.function(chosen)
         size = sum((entry * entry for entry in row.entries()), arb(0)).nonnegative_part().sqrt()
-        largest = max(largest, float(size / spectrum.squares[cluster[0]]))
+        largest = largest.max(size / spectrum.squares[cluster[0]])
     return largest
 
 

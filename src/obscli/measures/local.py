@@ -2,7 +2,8 @@
 
     M_s = M D = C U,   x = D x_s
 
-The values are certain: balls, at whatever precision it takes. Functions left open follow the sample motion.
+The values are certain: balls, at whatever precision it takes for them and for Cᵀ C. Functions left open
+follow the sample motion.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from obscli.numeric.program import Array, jet
 
 
 #: Bits of the balls, in the order tried.
-PRECISIONS: Final = (400, 1000, 4000)
+PRECISIONS: Final = (400, 1000, 4000, 16000)
 
 #: M has m n rows of n entries; so many in all are worked on.
 _MOST_ENTRIES: Final = 300_000
@@ -77,6 +78,7 @@ def local(numeric: NumericSystem, there: System, rank: int, at: float, units: Ar
     definitions = _definitions(there)
     values = _point(numeric, there, at, frozenset(definitions))
     origins = tuple((k, output) for k in range(n) for output in range(there.m))
+    reached = -1
     for bits in PRECISIONS:
         try:
             blocks = local_matrix(there, values, bits, definitions)
@@ -91,9 +93,15 @@ def local(numeric: NumericSystem, there: System, rank: int, at: float, units: Ar
                 found = orthogonalised(rows, rank)
             except ImpreciseError:
                 continue
-            if found.rank == rank:
+            reached = found.rank
+            if found.rank == rank and found.survives_squaring:
                 matrix = arb_mat(len(rows), n, [entry for row in rows for entry in row])
                 return Local(matrix, origins, found, bits)
+    if reached == rank:
+        raise NotMeasuredError(
+            f"the observability matrix at {there.time} = {at:.6g} is too ill-conditioned for "
+            f"{PRECISIONS[-1]} bits: choose other units of the states (--scaling), or another instant (--at)"
+        )
     raise NotMeasuredError(
         f"the {n} blocks of the observability matrix are of a lower rank than {rank} at {there.time} = "
         f"{at:.6g}, or too near it: choose another instant (--at)"

@@ -3,7 +3,8 @@
     A v_i = λ_i v_i,  |v_i| = 1:   |H v_i|,   the smallest σ of H V where several vectors V belong to λ_i
 
 Zero exactly where the mode is unobservable (Popov–Belevitch–Hautus). Modes and vectors are found with
-hundreds of bits, so that multiple eigenvalues, which double precision scatters, stay together.
+hundreds of bits, so that multiple eigenvalues, which double precision scatters, stay together. What is zero
+to half of these is zero; in an observable system nothing is, and more bits are taken.
 """
 
 from __future__ import annotations
@@ -11,101 +12,91 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from flint import acb, acb_mat, arb, ctx
+from flint import acb, acb_mat, arb
 
 from obscli.exact.ball import BallPoint, precision
 from obscli.measures.measure import Direction, Found, Measure, NotMeasuredError
+from obscli.measures.mode_values import is_rational, largest, mode_values
+from obscli.measures.mode_vectors import UnresolvedModeError, half_precision, mode_vectors
 from obscli.measures.subject import Subject
 
 
-_BITS: Final = 1500
-_MOST_STATES: Final = 40
+#: Bits in the order tried; a state, where the matrix is not rational.
+_PRECISIONS: Final = (400, 1500, 6000)
+_PER_STATE: Final = 60
 
-#: Eigenvalues of a Jordan block of size k scatter by 2^(−bits/k): this close they are one.
-_ALIKE: Final = 1e-9
+_MOST_STATES: Final = 40
 
 
 def modal(subject: Subject) -> Found:
     """Return every eigenvalue with the factor of its mode, the least observable first."""
-    there = subject.there
+    n = subject.n
     if not subject.numeric.is_constant:
         raise NotMeasuredError("modes are those of a time-invariant system; this one depends on time")
-    if there.n > _MOST_STATES:
+    if n > _MOST_STATES:
         raise NotMeasuredError(f"modes are found for up to {_MOST_STATES} states")
-    with precision(_BITS, 1):
-        point = BallPoint(there, {}, 1)
-        A, H = acb_mat(there.n, there.n), acb_mat(there.m, there.n)
-        units = [arb(float(one)) for one in subject.units]
-        for (i, j), entry in there.A.entries.items():
-            A[i, j] = acb((point.value(entry)[0] * units[j] / units[i]).mid())
-        for (i, j), entry in there.H.entries.items():
-            H[i, j] = acb((point.value(entry)[0] * units[j]).mid())
-        found = [_mode(subject, A, H, value) for value in _distinct(A) if value.imag >= 0]
-    return Found(system={"modal": tuple(sorted(found, key=lambda one: one.value))})
+    fewest = 0 if is_rational(subject.there.A.entries) else _PER_STATE * n
+    for bits in _PRECISIONS:
+        with precision(max(bits, fewest), 1):
+            try:
+                found = _modes(subject)
+            except UnresolvedModeError:
+                continue
+            return Found(system={"modal": tuple(sorted(found, key=lambda one: one.value))})
+    raise NotMeasuredError(f"the modes are not told apart with {_PRECISIONS[-1]} bits")
 
 
-def _distinct(A: acb_mat) -> list[acb]:
-    """Return the eigenvalues, those that scatter about one value as their mean."""
-    values = list(A.eig(algorithm="approx"))
-    largest = max((float(abs(one).upper()) for one in values), default=0.0)
-    groups: list[list[acb]] = []
-    for value in values:
-        near = [g for g in groups if any(float(abs(value - one).upper()) <= _ALIKE * largest for one in g)]
-        joined = [value, *(one for g in near for one in g)]
-        groups = [g for g in groups if g not in near] + [joined]
-    return [_clean(sum(g, acb(0)) / len(g), largest) for g in groups]
+def _modes(subject: Subject) -> list[Direction]:
+    A, H = _matrices(subject)
+    modes = [one for one in mode_values(subject.there.A.entries, A) if one.value.imag >= 0]
+    found = [_mode(subject, H, one.value, mode_vectors(A, one)) for one in modes]
+    if subject.rank == subject.n and any(one.value == 0 for one in found):
+        raise UnresolvedModeError
+    return found
 
 
-def _clean(value: acb, largest: float) -> acb:
-    """Return a mean without what is rounding: a real eigenvalue is real, zero is zero."""
-    tiny = arb(largest) * arb(2) ** (-ctx.prec // 4)
-    real, imag = (part.mid() for part in (value.real, value.imag))
-    return acb(real if abs(real) > tiny else 0, imag if abs(imag) > tiny else 0)
+def _matrices(subject: Subject) -> tuple[acb_mat, acb_mat]:
+    """Return D⁻¹ A D and H D, x = D x_s."""
+    there = subject.there
+    point = BallPoint(there, {}, 1)
+    A, H = acb_mat(there.n, there.n), acb_mat(there.m, there.n)
+    D = [arb(float(one)) for one in subject.units]
+    for (i, j), entry in there.A.entries.items():
+        A[i, j] = acb((point.value(entry)[0] * D[j] / D[i]).mid())
+    for (i, j), entry in there.H.entries.items():
+        H[i, j] = acb((point.value(entry)[0] * D[j]).mid())
+    return A, H
 
 
-def _mode(subject: Subject, A: acb_mat, H: acb_mat, value: acb) -> Direction:
-    vectors = _null_space(A, value)
-    seen = np.array([[complex(entry) for entry in row] for row in (H * vectors).tolist()])
-    V = np.array([[complex(entry) for entry in row] for row in vectors.tolist()])
-    Q, R = np.linalg.qr(V)
-    shown = np.linalg.solve(R.T, seen.T).T  # H Q
-    _, sizes, right = np.linalg.svd(shown)
-    factor = float(sizes[-1]) if len(sizes) == Q.shape[1] else 0.0
-    vector = Q @ right[-1].conj()
-    vector = vector / vector[np.abs(vector).argmax()]
-    return Direction(factor, subject.named(vector.real), complex(value))
+def _mode(subject: Subject, H: acb_mat, value: acb, vectors: acb_mat) -> Direction:
+    """Return the smallest singular value of H on the space of the vectors, and the vector it belongs to."""
+    Q = _orthonormal(vectors)
+    shown = H * Q
+    squares, right = (shown.conjugate().transpose() * shown).mid().eig(right=True, algorithm="approx")
+    k = min(range(len(squares)), key=lambda i: squares[i].real.mid())
+    square, size = squares[k].real.mid(), largest(H)
+    is_zero = square <= size * size * half_precision()
+    vector = _unit([sum((Q[i, j] * right[j, k] for j in range(Q.ncols())), acb(0)) for i in range(Q.nrows())])
+    components = np.array([float(entry.real) for entry in vector])
+    return Direction(0.0 if is_zero else float(square.sqrt()), subject.named(components), complex(value))
 
 
-def _null_space(A: acb_mat, value: acb) -> acb_mat:
-    """Return a basis of the vectors v with A v = λ v, columns, by elimination with full pivoting."""
-    n = A.nrows()
-    rows = [[A[i, j] - (value if i == j else 0) for j in range(n)] for i in range(n)]
-    order, rank = list(range(n)), 0
-    scale = max((float(abs(entry).upper()) for row in rows for entry in row), default=0.0)
-    small = arb(scale) * arb(2) ** (-ctx.prec // (4 * max(n, 1)) - 40)
-    while rank < n:
-        size, i, j = max(
-            ((abs(rows[i][order[j]]).mid(), i, j) for i in range(rank, n) for j in range(rank, n)),
-            key=lambda one: one[0],
-        )
-        if not size > small:
-            break
-        rows[rank], rows[i] = rows[i], rows[rank]
-        order[rank], order[j] = order[j], order[rank]
-        pivot = rows[rank][order[rank]]
-        rows[rank] = [(entry / pivot).mid() for entry in rows[rank]]
-        for k in range(n):
-            if k != rank:
-                factor = rows[k][order[rank]]
-                rows[k] = [(a - factor * b).mid() for a, b in zip(rows[k], rows[rank], strict=True)]
-        rank += 1
-    free = order[rank:]
-    basis = acb_mat(n, len(free))
-    for c, j in enumerate(free):
-        basis[j, c] = acb(1)
-        for k in range(rank):
-            basis[order[k], c] = -rows[k][j]
-    return basis
+def _orthonormal(vectors: acb_mat) -> acb_mat:
+    """Return an orthonormal basis of the space of independent columns, by Gram–Schmidt."""
+    basis: list[acb_mat] = []
+    for column in vectors.transpose().tolist():
+        rest = acb_mat([column])
+        for one in basis + basis:  # twice is enough
+            rest = (rest - rest * one.conjugate().transpose() * one).mid()
+        size = sum((abs(entry) ** 2 for entry in rest.entries()), arb(0)).sqrt()
+        basis.append((rest * (1 / size)).mid())
+    return acb_mat([list(one.entries()) for one in basis]).transpose()
+
+
+def _unit(vector: list[acb]) -> list[acb]:
+    """Return a vector whose largest component is 1."""
+    pivot = max(vector, key=lambda entry: abs(entry).mid())
+    return [entry / pivot for entry in vector]
 
 
 MODAL: Final = Measure(

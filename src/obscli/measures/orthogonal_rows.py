@@ -2,7 +2,12 @@
 
     M = C U,   U Uᵀ = I,   c_kk = r_k = |a_k − a_k*| > 0
 
-A row whose residual is zero is skipped. Balls cannot prove a residual zero; but the rank is known exactly,
+A row whose residual is zero is skipped. The rows of C that the residuals come from make a lower triangle T
+with the r_k on its diagonal; its inverse bounds that of C:
+
+    σ_r(C) ≥ σ_r(T) ≥ 1/|T⁻¹|,   |C| |T⁻¹| ≥ cond C        (Frobenius norms)
+
+Balls cannot prove a residual zero; but the rank is known exactly,
 and where so many residuals are proved to be nonzero the others must vanish.
 
 References
@@ -21,6 +26,12 @@ from flint import arb, arb_mat, ctx
 
 #: A residual is taken as zero if its ball holds zero and is smaller than this power of the precision.
 _TINY: Final = 0.5
+
+#: Bits that are to be left when the condition has taken its own: those of double precision, and as many more.
+_SPARE: Final = 128
+
+#: Bits that elimination in balls takes for every row.
+_SPARE_A_ROW: Final = 3
 
 
 class ImpreciseError(ArithmeticError):
@@ -48,6 +59,29 @@ class OrthogonalRows:
     def rank(self) -> int:
         """How many rows are independent."""
         return len(self.residuals)
+
+    @property
+    def survives_squaring(self) -> bool:
+        """Whether Cᵀ C, and what is found from it in the precision in force, is known to double precision.
+
+        Squaring takes twice the digits of the condition: of those of the arithmetic, and of those of C.
+        """
+        if not self.rank:
+            return True
+        condition = _size(self.C) * self._inverse_size()
+        if not condition.is_finite():
+            return False
+        needed = 2 * condition.log().mid() / arb(2).log() + _SPARE + _SPARE_A_ROW * self.rank
+        wrong = _size(arb_mat(self.C.nrows(), self.rank, [one.rad() for one in self.C.entries()]))
+        return bool(needed < ctx.prec and wrong * arb(2) ** needed < _size(self.C))
+
+    def _inverse_size(self) -> arb:
+        """Return |T⁻¹|, not finite where T is not told from a singular matrix."""
+        rows = self.C.tolist()
+        triangle = arb_mat(
+            [[rows[k][j] if j <= i else arb(0) for j in range(self.rank)] for i, k in enumerate(self.origins)]
+        )
+        return _size(triangle.inv(nonstop=True))
 
 
 def orthogonalised(rows: Sequence[Sequence[arb]], rank: int) -> OrthogonalRows:
@@ -89,6 +123,11 @@ def orthogonalised(rows: Sequence[Sequence[arb]], rank: int) -> OrthogonalRows:
     U = _stacked(basis) if basis else arb_mat(0, n)
     M = arb_mat(len(rows), n, [entry for row in rows for entry in row])
     return OrthogonalRows(U, M * U.transpose(), tuple(residuals), tuple(origins))
+
+
+def _size(matrix: arb_mat) -> arb:
+    """Return a bound of the Frobenius norm."""
+    return sum((one.abs_upper() ** 2 for one in matrix.entries()), arb(0)).sqrt()
 
 
 def _stacked(rows: Sequence[arb_mat]) -> arb_mat:

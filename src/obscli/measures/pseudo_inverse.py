@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 
 from obscli.exact.ball import precision
+from obscli.measures.in_range import as_double, beyond
 from obscli.measures.local import as_matrix
 from obscli.measures.measure import Found, Measure
 from obscli.measures.subject import Subject
@@ -32,11 +33,14 @@ def pseudo_inverse(subject: Subject) -> Found:
         rows = (
             (covectors * U.transpose()) * (C.transpose() * C).inv() * C.transpose() if subject.rank else None
         )
-        values = []
-        for k, observable in enumerate(subject.observable):
-            entries = rows.tolist()[k] if rows is not None and observable else []
-            values.append(max((abs(float(one)) for one in entries), default=np.inf))
-    return Found(tuple(values), forms=_forms(subject))
+        entries = rows.tolist() if rows is not None else []
+        values = [
+            as_double(max((abs(one) for one in entries[k]), key=lambda one: one.mid()))
+            if observable
+            else np.inf
+            for k, observable in enumerate(subject.observable)
+        ]
+    return Found(tuple(values), forms=_forms(subject), remarks=beyond(values.count(None)))
 
 
 def _forms(subject: Subject) -> dict[str, Expression]:
