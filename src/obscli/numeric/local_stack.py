@@ -21,7 +21,7 @@ import numpy as np
 from obscli.numeric.gramian import Gramian, squared_rounding
 from obscli.numeric.matrix_exponential import exponentials
 from obscli.numeric.numeric_system import Coefficients
-from obscli.numeric.program import EPS, Array, Counts
+from obscli.numeric.program import EPS, Array
 
 
 #: Samples of the outputs, or their derivatives at the start.
@@ -46,16 +46,15 @@ class LocalStack:
         """Return a triangular T with TᵀT = D RᵀR D as the root of a Gramian, x = D z; units D (n,)."""
         k, N, m, n = self.rows.shape
         flat = (self.rows * units).reshape(k, N * m, n)
-        T = np.linalg.qr(flat, mode="r") if N * m > n else flat
         root = np.zeros((k, n, n))
-        root[:, : T.shape[1]] = T
+        root[:, : min(N * m, n)] = np.linalg.qr(flat, mode="r") if N * m > n else flat
         squared = ((self.error * units) ** 2).sum(axis=(1, 2))
         squared += squared_rounding(n) * (flat**2).sum(axis=1)
         error = squared[:, :, None] * np.eye(n)
         return Gramian("square-root", stops, starts, root, np.broadcast_to(units, (k, n)), error, np.zeros(k))
 
 
-def frozen_stack(found: Coefficients, moving: Counts, form: Form, count: int, h: float) -> LocalStack:
+def frozen_stack(found: Coefficients, moving: Array, form: Form, count: int, h: float) -> LocalStack:
     """Return the stack of windows in which A and H keep the values of their starts.
 
     Parameters
@@ -106,7 +105,7 @@ def true_stack(H: Array, H_error: Array, steps: Array, steps_error: Array) -> Lo
     return LocalStack(rows, errors)
 
 
-def _full(rows: Array, moving: Counts, n: int, *, identity: bool) -> Array:
+def _full(rows: Array, moving: Array, n: int, *, identity: bool) -> Array:
     """Return square matrices of their moving rows; the others are zero, or those of I."""
     found = np.zeros((len(rows), n, n))
     if identity:

@@ -16,7 +16,7 @@ from typing import Final
 
 import numpy as np
 
-from obscli.numeric.program import Array, Counts
+from obscli.numeric.program import Array
 from obscli.numeric.transition import times
 
 
@@ -24,7 +24,7 @@ _TERMS: Final = 14
 _LARGEST: Final = 0.5
 
 
-def exponentials(A: Array, moving: Counts, h: float | Array) -> Array:
+def exponentials(A: Array, moving: Array, h: float | Array) -> Array:
     """Return the moving rows of exp(A h).
 
     Parameters
@@ -42,15 +42,15 @@ def exponentials(A: Array, moving: Counts, h: float | Array) -> Array:
     X = X / 2.0**squarings
     identity = np.eye(A.shape[2])[moving]
     # Horner, the identity added last: I + X (I + X/2 (I + …))
-    found = identity + X / _TERMS
+    found: Array = identity + X / _TERMS
     for k in range(_TERMS - 1, 0, -1):
         found = identity + times(X, found, moving) / k
     for _ in range(squarings):
         found = times(found, found, moving)
-    return np.asarray(found, dtype=float)
+    return found
 
 
-def _squarings(X: Array, moving: Counts) -> int:
+def _squarings(X: Array, moving: Array) -> int:
     """Return s, one for all."""
     core = X[..., moving]
     second = core @ core

@@ -19,9 +19,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from obscli.numeric.gramian import Gramian, squared_rounding
 from obscli.numeric.local_stack import LocalStack
@@ -30,6 +31,9 @@ from obscli.numeric.program import EPS, Array, Counts, Flags
 from obscli.numeric.subspace import TOLERANCE, Subspaces, subspaces
 from obscli.numeric.window_measures import identifiable
 
+
+#: Numbers of segments, of either kind.
+_Numbers: TypeAlias = NDArray[Any]
 
 #: A transition matrix of a segment is off by so many roundings.
 _EXPONENTIAL: Final = 8.0
@@ -86,7 +90,7 @@ class PiecewiseConstant:
 
 
 def piecewise_constant(
-    portions: Iterable[Segments], moving: Counts, units: Array, forms: Array
+    portions: Iterable[Segments], moving: Array, units: Array, forms: Array
 ) -> PiecewiseConstant:
     """Analyse consecutive segments.
 
@@ -112,16 +116,16 @@ class _Sum:
 
     def add(self, root: Array, squared: Array) -> None:
         self.squared = self.squared + squared + squared_rounding(len(root)) * (root**2).sum(axis=0)
-        self.root = np.linalg.qr(np.vstack([self.root, root]), mode="r")
+        self.root = np.asarray(np.linalg.qr(np.vstack([self.root, root]), mode="r"), dtype=float)
 
 
 class _Course:
     """What is carried from segment to segment."""
 
-    def __init__(self, moving: Counts, units: Array, forms: Array) -> None:
+    def __init__(self, moving: Array, units: Array, forms: Array) -> None:
         n = len(units)
         self.moving, self.units, self.forms = moving, units, forms
-        self.parts: list[tuple[Array, ...]] = []
+        self.parts: list[tuple[_Numbers, ...]] = []
         self.total, self.stripped = (_Sum(np.zeros((n, n)), np.zeros(n)) for _ in range(2))
         self.transition, self.moved = np.eye(n), np.zeros((n, n))
         self.since = np.full(len(forms), np.nan)
@@ -182,13 +186,23 @@ class _Course:
         starts, stops, rank, residual, known, total, stripped = (
             np.concatenate(column) for column in zip(*self.parts, strict=True)
         )
-        values = (one.values[0] for one in self.last)
+        of_total, of_stripped = (one.values[0] for one in self.last)
         return PiecewiseConstant(
-            starts, stops, rank, residual, known, total, stripped, *values, self.since, self.decided
+            starts=starts,
+            stops=stops,
+            local_rank=rank,
+            residual=residual,
+            known=known,
+            total_rank=total,
+            stripped_rank=stripped,
+            total_values=of_total,
+            stripped_values=of_stripped,
+            since=self.since,
+            decided=self.decided,
         )
 
 
-def _condition(local: Subspaces, some: Segments, moving: Counts, units: Array) -> tuple[Array, Array]:
+def _condition(local: Subspaces, some: Segments, moving: Array, units: Array) -> tuple[Array, Array]:
     """Return ‖D⁻¹ A D N‖ of every segment, and what it may be by what N is known to; shape (k,) each."""
     scale = units / units[moving][:, None]
     A, A_error = some.A * scale, some.A_error * scale

@@ -22,7 +22,7 @@ from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
-from obscli.numeric.program import Array, Flags
+from obscli.numeric.program import Array, Counts, Flags
 from obscli.numeric.subspace import Subspaces
 
 
@@ -49,7 +49,7 @@ class WindowValues:
     """
 
     t: Array
-    rank: Array
+    rank: Counts
     decided: Flags
     gap: Array
     singular_values: Array
@@ -101,7 +101,8 @@ def identifiable(spaces: Subspaces, along: Array) -> Flags:
     last = np.take_along_axis(spaces.values, np.maximum(spaces.rank - 1, 0)[:, None], axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         turned = spaces.tolerance[:, None] / last
-    return (outside <= np.nan_to_num(turned, nan=0.0)) & (spaces.rank > 0)[:, None]
+    within: Flags = (outside <= np.nan_to_num(turned, nan=0.0)) & (spaces.rank > 0)[:, None]
+    return within
 
 
 def residual_index(spaces: Subspaces, along: Array) -> Array:
