@@ -17,7 +17,8 @@ Dong Jinlong, Mo Bo, (12), with μ_ki = v_ki²; Wan, Fang, Liu for the conventio
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
@@ -59,6 +60,16 @@ class WindowValues:
     conventional: Array
     posterior: Array
     degenerate: Flags
+
+    def at(self, windows: Counts) -> WindowValues:
+        """Return the values of some windows."""
+        return WindowValues(*(getattr(self, one.name)[windows] for one in fields(self)))
+
+
+def joined(parts: Sequence[WindowValues]) -> WindowValues:
+    """Return the values of consecutive windows in one."""
+    names = [one.name for one in fields(WindowValues)]
+    return WindowValues(*(np.concatenate([getattr(one, name) for one in parts]) for name in names))
 
 
 def window_values(
