@@ -69,7 +69,7 @@ class Flight:
         """Return A's moving rows and H; ``earth``: whether it turns and is round; ``C_b``: body to quasi-body."""
         L, h = self.data["lat_deg"] * DEG, self.data["h_m"]
         vE, vN, vU = (self.data[name] for name in ("vE", "vN", "vU"))
-        we, flat = (WE, 1.0) if earth else (0.0, 1e300)
+        we, flat = (WE, 1.0) if earth else (0.0, 1e100)
         W = np.sqrt(1 - E2 * np.sin(L) ** 2)
         a, b = flat * (RE * (1 - E2) / W**3 + h), flat * (RE / W + h)
         sL, cL, tL, o = np.sin(L), np.cos(L), np.tan(L), np.zeros(len(L))

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from obscli.core.number import counted, plain, short
+from obscli.model.expression import symbols
 from obscli.model.system import System
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.piecewise_constant import PiecewiseConstant
@@ -29,12 +30,22 @@ def warnings_of(
     segments: PiecewiseConstant | NotComputed,
 ) -> Iterator[str]:
     """Yield the warnings in order of weight."""
+    yield from _sample_motion(system)
     yield from _unscaled(scaling)
     yield from _undecided(values)
     yield from _not_identifiable(names, values)
     yield from _degenerate(request, values)
     if isinstance(segments, PiecewiseConstant):
         yield from _violated(segments, system.time)
+
+
+def _sample_motion(system: System) -> Iterator[str]:
+    """Warn that values are an example where functions are left open."""
+    used = symbols(*system.A.entries.values(), *system.H.entries.values())
+    names = [one.name for one in system.functions if one.derivative is None and one.name in used]
+    if names:
+        verb = "follows" if len(names) == 1 else "follow"
+        yield f"{_listed(names)} {verb} a sample motion, no data: the values are an example"
 
 
 def _unscaled(scaling: WindowScaling) -> Iterator[str]:
