@@ -516,3 +516,25 @@ def test_the_bundled_model_has_the_matrices_of_the_theory(flights, bundled, monk
         assert np.abs(A - expected.A).max() < 1e-7
         forms = numeric.covectors([one.coefficients for one in numeric.system.quantities], np.array([5.0]))[0]
         np.testing.assert_allclose(forms, flight.forms()[:, :2], atol=1e-15)
+
+
+def windows_of(bundled, name, stage, *, frozen):
+    numeric = NumericSystem(bundled(f"rocket/{name}.yaml", stage), 5.0, 60.0)
+    settings = WindowSettings(1.5, 0.5, frozen=frozen)
+    sampling = sampling_of(numeric, settings, 5.0, 12.0)
+    scaling = window_scaling(numeric, None, sampling.h)
+    names = [*numeric.system.state_names, *(one.name for one in numeric.system.quantities)]
+    return names, joined(list(window_series(numeric, sampling, settings, scaling)))
+
+
+@pytest.mark.parametrize(("stage", "frozen"), [("axes_held", True), ("flight", False)])
+def test_both_bundled_models_are_one_system(bundled, stage, frozen):
+    # the attitude error's axes do not change what a window shows: frozen if they are held, along it if they turn
+    names, level = windows_of(bundled, "ins_gnss_enu", "flight", frozen=frozen)
+    others, body = windows_of(bundled, "ins_gnss_quasi_body", stage, frozen=frozen)
+    np.testing.assert_allclose(body.singular_values[:, :12], level.singular_values[:, :12], rtol=1e-8)
+    for name in ("phi_x", "phi_z", "phi_U"):
+        k, j = names.index(name), others.index(name)
+        for values in ("equivalent", "posterior", "column_norm"):
+            expected = getattr(level, values)[:, k]
+            np.testing.assert_allclose(getattr(body, values)[:, j], expected, rtol=1e-6, atol=1e-9)

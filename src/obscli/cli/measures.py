@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
+from obscli.cli.errors import CommandError
 from obscli.cli.options import (
     FixBeforeOption,
     FormatOption,
@@ -31,6 +33,7 @@ from obscli.cli.window_options import (
     WindowOption,
     refuse_with_window,
     refuse_without_window,
+    windows_request,
 )
 
 
@@ -41,8 +44,6 @@ if TYPE_CHECKING:
         MeasureScaling,
         MeasuresRequest,
         Progress,
-        Stack,
-        Weights,
         WindowsRequest,
     )
 
@@ -111,8 +112,7 @@ def measures(  # noqa: PLR0913 - one parameter an option
     strict: StrictOption = False,
 ) -> int:
     """Measure how well states and combinations are observable: by the papers' measures and by the noise."""
-    from obscli.cli.errors import CommandError  # noqa: PLC0415 - heavy imports inside command bodies
-    from obscli.cli.exit_codes import ExitCode  # noqa: PLC0415
+    from obscli.cli.exit_codes import ExitCode  # noqa: PLC0415 - heavy imports inside command bodies
     from obscli.cli.figures import draw  # noqa: PLC0415
     from obscli.cli.output import deliver  # noqa: PLC0415
     from obscli.cli.progress import ProgressLine  # noqa: PLC0415
@@ -121,39 +121,27 @@ def measures(  # noqa: PLR0913 - one parameter an option
         Changes,
         MeasuresRequest,
         NumericRequest,
-        WindowsRequest,
     )
 
+    changes = Changes(pairs("--set", settings), pairs("--fix", fix), names(outputs), names(without))
+    numeric = NumericRequest(start=start, stop=stop)
+    request: MeasuresRequest | WindowsRequest
     if window is not None:
         refuse_with_window(at=at, times=times, select=select, option=option, threshold=threshold)
+        looked = windows_request(window, step, stack, mu, scaling, frozen=frozen, advice=advice)
+        request = replace(looked, stages=tuple(stage or ()), numeric=numeric)
     else:
         refuse_without_window(stack=stack, frozen=frozen, mu=mu, advice=advice)
-    if at is not None and times:
-        raise CommandError("--at gives one instant, --times several; one of the two")
-    changes = Changes(pairs("--set", settings), pairs("--fix", fix), names(outputs), names(without))
-    request: MeasuresRequest | WindowsRequest
-    request = MeasuresRequest(
-        stages=tuple(stage or ()),
-        at=(at,) if at is not None else names(times),
-        select=names(select),
-        options=pairs("--option", option),
-        thresholds=pairs("--threshold", threshold),
-        scaling=cast("MeasureScaling", scaling or "none"),
-        numeric=NumericRequest(start=start, stop=stop),
-        step=step,
-        curves=plot is not None,
-    )
-    if window is not None:
-        request = WindowsRequest(
-            window,
-            step,
-            tuple(stage or ()),
-            cast("Stack", stack),
-            frozen,
-            cast("Weights", mu),
-            cast("MeasureScaling | None", scaling),
-            NumericRequest(start=start, stop=stop),
-            advice=advice,
+        request = MeasuresRequest(
+            stages=tuple(stage or ()),
+            at=_instants(at, times),
+            select=names(select),
+            options=pairs("--option", option),
+            thresholds=pairs("--threshold", threshold),
+            scaling=cast("MeasureScaling", scaling or "none"),
+            numeric=numeric,
+            step=step,
+            curves=plot is not None,
         )
     with refusals(), ProgressLine() as progress:
         report = _run(model, request, changes, progress)
@@ -162,6 +150,12 @@ def measures(  # noqa: PLR0913 - one parameter an option
     if report.failed:
         return ExitCode.FAILED
     return ExitCode.UNDECIDED if strict and report.undecided else ExitCode.DONE
+
+
+def _instants(at: str | None, times: list[str] | None) -> tuple[str, ...]:
+    if at is not None and times:
+        raise CommandError("--at gives one instant, --times several; one of the two")
+    return (at,) if at is not None else names(times)
 
 
 def _run(

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Final, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Final, TypeAlias, cast
 
 import typer
 
 from obscli.cli.errors import CommandError
+
+
+if TYPE_CHECKING:
+    from obscli.pipelines.request import MeasureScaling, Stack, Weights, WindowsRequest
 
 
 STACKS: Final = ("discrete", "continuous")
@@ -84,3 +88,27 @@ def refuse_without_window(*, stack: str, frozen: bool, mu: str, advice: bool) ->
     given = [name for name, value in changed.items() if value]
     if given:
         raise CommandError(f"{given[0]} is about windows: give their length, --window T")
+
+
+def windows_request(
+    window: float,
+    step: float | None,
+    stack: str,
+    mu: str,
+    scaling: str | None,
+    *,
+    frozen: bool,
+    advice: bool,
+) -> WindowsRequest:
+    """Return what the options ask for."""
+    from obscli.pipelines.request import WindowsRequest  # noqa: PLC0415 - imports inside command bodies
+
+    return WindowsRequest(
+        window,
+        step,
+        stack=cast("Stack", stack),
+        frozen=frozen,
+        weights=cast("Weights", mu),
+        scaling=cast("MeasureScaling | None", scaling),
+        advice=advice,
+    )
