@@ -65,14 +65,19 @@ class Flight:
         s, c, sp, cp, o = np.sin(theta), np.cos(theta), np.sin(psi), np.cos(psi), np.zeros(len(theta))
         return np.array([[-c * sp, s * sp, cp], [c * cp, -s * cp, sp], [s, c, o]]).transpose(2, 0, 1)
 
+    def radii(self):
+        """Radii of meridian and prime vertical, height added."""
+        W = np.sqrt(1 - E2 * np.sin(self.data["lat_deg"] * DEG) ** 2)
+        return RE * (1 - E2) / W**3 + self.data["h_m"], RE / W + self.data["h_m"]
+
     def coefficients(self, earth=True, C_b=None, f_sign=1.0):
         """Return A's moving rows and H; ``earth``: whether it turns and is round; ``C_b``: body to quasi-body."""
         L, h = self.data["lat_deg"] * DEG, self.data["h_m"]
         vE, vN, vU = (self.data[name] for name in ("vE", "vN", "vU"))
         we, flat = (WE, 1.0) if earth else (0.0, 1e100)
-        W = np.sqrt(1 - E2 * np.sin(L) ** 2)
-        a, b = flat * (RE * (1 - E2) / W**3 + h), flat * (RE / W + h)
+        a, b = (flat * one for one in self.radii())
         sL, cL, tL, o = np.sin(L), np.cos(L), np.tan(L), np.zeros(len(L))
+        W = np.sqrt(1 - E2 * sL**2)
         g = 9.7803253359 * (1 + 0.00193185265241 * sL**2) / W * (1 - 2 * h / RE)
         w_ie, w_en = np.stack([o, we * cL, we * sL], 1), np.stack([-vN / a, vE / b, vE * tL / b], 1)
         v, f = np.stack([vE, vN, vU], 1), f_sign * np.einsum("kij,kj->ki", self.C, self.f)

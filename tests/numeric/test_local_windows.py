@@ -505,7 +505,9 @@ def test_the_bundled_model_has_the_matrices_of_the_theory(flights, bundled, monk
                 return {name: np.full(len(t), value) for name, value in moved.items()}
 
         monkeypatch.setattr(numeric_system, "Motion", Held)
-        settings = {"lat": repr(given["lat_deg"] * degrees), "h": repr(given["h_m"])}
+        a, b = flight.radii()
+        settings = {"lat": given["lat_deg"] * degrees, "r_m": float(a[0]), "r_n": float(b[0])}
+        settings = {name: repr(value) for name, value in settings.items()}
         numeric = NumericSystem(bundled("rocket/ins_gnss_enu.yaml", "flight", settings=settings), 5.0, 6.0)
         A, H = numeric.matrices(np.array([5.0]))
         expected = flight.coefficients()
