@@ -2,7 +2,7 @@
 
 python benchmarks/windows.py [--windows 1000000]
 
-Fifteen states, six outputs, 15 samples a window, states scaled by the prior: models/rocket/ins_gnss_enu.yaml. In
+Fifteen states, six outputs, 15 samples a window, scaled by the prior: models/rocket/ins_gnss_enu.yaml. In
 one process, warm: the first series is not counted.
 """
 

@@ -28,6 +28,7 @@ PAGES = {
     "docs/calibration.md": 6,
     "docs/structure.md": 7,
     "docs/measures.md": 3,
+    "docs/windows.md": 1,
     "docs/simulation.md": 4,
 }
 CONSOLE = re.compile(r"```console\n(.*?)```", re.DOTALL)

@@ -58,7 +58,7 @@ def straight():
 def test_roll_needs_normal_and_pitch_axial_specific_force(straight):
     found = by_target(motion_needs(straight))
     assert {(kind, some) for target, kind, some in found if target == "phi_x" and kind == "zero"} == {
-        ("zero", ("f2", "f3"))
+        ("zero", ("f_y", "f_z"))
     }
-    assert ("phi_z", "zero", ("f1", "f2")) in found
-    assert not any(target == "phi_x" and "f1" in some for target, _, some in found)
+    assert ("phi_z", "zero", ("f_x", "f_y")) in found
+    assert not any(target == "phi_x" and "f_x" in some for target, _, some in found)

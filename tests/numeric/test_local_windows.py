@@ -490,8 +490,8 @@ def test_the_bundled_model_has_the_matrices_of_the_theory(flights, bundled, monk
         flight = flights[case].at([t])
         given = {key: float(one[0]) for key, one in flight.data.items()}
         degrees = np.pi / 180
-        moved = dict(zip(("f1", "f2", "f3"), flight.f[0], strict=True))
-        moved |= dict(zip(("v1", "v2", "v3"), (given["vE"], given["vN"], given["vU"]), strict=True))
+        moved = dict(zip(("f_x", "f_y", "f_z"), flight.f[0], strict=True))
+        moved |= dict(zip(("v_E", "v_N", "v_U"), (given["vE"], given["vN"], given["vU"]), strict=True))
         moved |= {"pitch": given["pitch_deg"] * degrees, "heading": given["heading_deg_ccw_from_N"] * degrees}
         moved["roll"] = 0.0
 

@@ -74,7 +74,8 @@ def _stage(result: WindowsResult) -> Iterator[Block]:
         yield from _gains(result, found)
         yield from _segments(result, found)
     if result.needs is not None:
-        yield from _needs(result.needs)
+        names = (*result.system.state_names, *(one.name for one in result.system.quantities))
+        yield from _needs(result.needs, names)
 
 
 def _setting(result: WindowsResult, found: Windows) -> str:
@@ -210,13 +211,13 @@ def _since(found: Windows, segments: PiecewiseConstant) -> Iterator[tuple[Cell, 
         yield line(Text("never")), line(Text(", ".join(never), "name"))
 
 
-def _needs(needs: MotionNeeds) -> Iterator[Block]:
+def _needs(needs: MotionNeeds, names: Sequence[str]) -> Iterator[Block]:
     yield Heading(2, plain("Motion that the states need"))
     if needs.reason:
         yield Paragraph(plain(f"Not found: {needs.reason}."))
         return
     by_target: dict[str, list[str]] = {}
-    for one in needs.needs:
+    for one in sorted(needs.needs, key=lambda one: names.index(one.target)):
         how = "different from zero" if one.kind == "zero" else "varying"
         by_target.setdefault(one.target, []).append(f"{_either(one.functions)} {how}")
     if not by_target:
