@@ -17,7 +17,7 @@ from obscli.numeric.errors import UnfitRequestError
 from obscli.numeric.local_stack import Form, LocalStack, frozen_stack, true_stack
 from obscli.numeric.noise import steps_of
 from obscli.numeric.numeric_system import Coefficients, NumericSystem, constants_of
-from obscli.numeric.program import Array, Counts, Flags, constant_value
+from obscli.numeric.program import EPS, Array, Counts, Flags, constant_value
 from obscli.numeric.sample_transitions import sample_transitions
 from obscli.numeric.subspace import Subspaces, subspaces
 from obscli.numeric.window_measures import Weights, WindowValues, window_values
@@ -79,8 +79,10 @@ def sampling_of(numeric: NumericSystem, settings: WindowSettings, start: float, 
     for name, value in (("--window", length), ("--step", step)):
         if value is not None and not 0 < value < np.inf:
             raise UnfitRequestError(f"{name} {value:g}: a positive number is expected")
+    if is_discrete(numeric) and not (length.is_integer() and (step is None or step.is_integer())):
+        raise UnfitRequestError("--window and --step of a discrete-time model are whole numbers of steps")
     given = [one for one in steps_of(numeric.system) if one is not None]
-    h = min(given) if given else step
+    h = 1.0 if is_discrete(numeric) else min(given) if given else step
     if h is None:
         raise UnfitRequestError(
             "nothing says how often outputs are sampled: give --step, or `step` under `noise`"
@@ -96,6 +98,11 @@ def sampling_of(numeric: NumericSystem, settings: WindowSettings, start: float, 
         )
     apart = step or h
     return Sampling(start, apart, int(max(room, 0.0) / apart + _FITS) + 1, h, samples)
+
+
+def is_discrete(numeric: NumericSystem) -> bool:
+    """Whether A is the matrix of x(k+1) = A x(k), so that nothing is to be integrated."""
+    return bool(getattr(numeric.system, "discrete", False))
 
 
 def window_series(
@@ -147,13 +154,15 @@ def forms_at(numeric: NumericSystem, t: Array) -> Array:
 
 def stack_at(numeric: NumericSystem, sampling: Sampling, settings: WindowSettings, t: Array) -> LocalStack:
     """Return R of windows that start at t, in the file's units; a row that is not sampled is zero."""
-    if settings.frozen:
+    if settings.frozen and is_discrete(numeric):
+        found = frozen_stack(numeric.coefficients(t), numeric.moving, "continuous", sampling.samples, 1.0)
+    elif settings.frozen:
         h = 1.0 if settings.form == "continuous" else sampling.h
         count = min(sampling.samples, numeric.n) if settings.form == "continuous" else sampling.samples
         found = frozen_stack(numeric.coefficients(t), numeric.moving, settings.form, count, h)
     else:
         found = _true(numeric, sampling, t)
-    if settings.form == "continuous":
+    if settings.form == "continuous" and not is_discrete(numeric):
         return found
     taken = sampled(numeric, t, sampling)[..., None]
     return LocalStack(found.rows * taken, found.error * taken)
@@ -189,7 +198,10 @@ def _true(numeric: NumericSystem, sampling: Sampling, t: Array) -> LocalStack:
     place = place.reshape(instants.shape)
     shared = instants.ravel()[first]
     found: Coefficients = numeric.coefficients(shared)
-    steps, error = sample_transitions(numeric, shared)
+    if is_discrete(numeric):
+        steps, error = found.A[:-1], found.A_error[:-1] + EPS * np.abs(found.A[:-1])
+    else:
+        steps, error = sample_transitions(numeric, shared)
     products, product_error = _between(steps, error, place)
     return true_stack(found.H[place], found.H_error[place], products, product_error)
 

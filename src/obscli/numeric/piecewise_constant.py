@@ -5,6 +5,8 @@ Segment j, from t_j to t_{j+1} = t_j + D_j, keeps A_j, H_j of its start; Q_j is 
     TOM   [Q_1; Q_2 e^(A_1 D_1); …; Q_r e^(A_{r−1} D_{r−1}) … e^(A_1 D_1)]
     SOM   [Q_1; Q_2; …; Q_r]
 
+Of a discrete-time system F_j^D_j takes the place of e^(A_j D_j), and F_j − I that of A_j below.
+
 Where null(Q_j) ⊂ null(A_j) for all j, both have the same null space; else the SOM may miss what the TOM
 shows. The condition is tested: ‖D⁻¹ A_j D N_j‖, N_j an orthonormal basis of null(Q_j D), against what N_j is
 known to.
@@ -41,13 +43,22 @@ _EXPONENTIAL: Final = 8.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segments:
-    """Some consecutive segments: A's moving rows with errors (k, p, n), and Q with its outputs weighed."""
+    """Some consecutive segments.
+
+    Parameters
+    ----------
+    starts, durations : shape (k,)
+    A, A_error : moving rows and their errors, shape (k, p, n); of a discrete-time system F − I
+    stack : Q, its outputs weighed
+    transition : moving rows of Φ over each, shape (k, p, n); None: exp(A D)
+    """
 
     starts: Array
     durations: Array
     A: Array
     A_error: Array
     stack: LocalStack
+    transition: Array | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -145,7 +156,9 @@ class _Course:
         self.parts.append((some.starts, stops, local.rank, residual, known, total.rank, stripped.rank))
 
     def _accumulated(self, local: Gramian, some: Segments) -> tuple[Subspaces, Subspaces]:
-        phi = exponentials(some.A, self.moving, some.durations)
+        phi = some.transition
+        if phi is None:
+            phi = exponentials(some.A, self.moving, some.durations)
         kept: tuple[list[_Sum], list[_Sum]] = ([], [])
         for j, root in enumerate(local.matrices):
             squared = np.diag(local.error[j])

@@ -111,6 +111,8 @@ def _without_prior(system: System) -> tuple[str, ...]:
 
 def _per_sample(numeric: NumericSystem, h: float) -> Array:
     """Return W of one sample: that of the density times √(time between samples)."""
+    if getattr(numeric.system, "discrete", False):
+        return noise_model(numeric).whitening
     between = np.array([h if one is None else one for one in steps_of(numeric.system)])
     found: Array = noise_model(numeric).whitening * np.sqrt(between)
     return found

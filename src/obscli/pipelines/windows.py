@@ -14,7 +14,13 @@ from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.horizon import Horizon, horizon_of
 from obscli.numeric.local_stack import frozen_stack
-from obscli.numeric.local_windows import WindowSettings, forms_at, sampling_of, window_series
+from obscli.numeric.local_windows import (
+    WindowSettings,
+    forms_at,
+    is_discrete,
+    sampling_of,
+    window_series,
+)
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.piecewise_constant import PiecewiseConstant, Segments, piecewise_constant
 from obscli.numeric.rates import rates_of
@@ -112,8 +118,10 @@ def _segments(
     """Return what segments as long as a window show, one after the other."""
     count = int((horizon.stop - horizon.start) / length * (1 + 1e-9))
     starts = horizon.start + length * np.arange(count, dtype=float)
-    rates = rates_of(numeric, starts[[0, count // 2, -1]])
-    h = min(length, 1 / rates.dynamics) if rates.dynamics else length
+    h, discrete = 1.0, is_discrete(numeric)
+    if not discrete:
+        rates = rates_of(numeric, starts[[0, count // 2, -1]])
+        h = min(length, 1 / rates.dynamics) if rates.dynamics else length
 
     def portions() -> Iterator[Segments]:
         for first in range(0, count, _PORTION):
@@ -121,7 +129,12 @@ def _segments(
             found = numeric.coefficients(t)
             stack = frozen_stack(found, numeric.moving, "continuous", numeric.n, h)
             weighed = stack if scaling.weights is None else stack.weighed(scaling.weights)
-            yield Segments(t, np.full(len(t), length), found.A, found.A_error, weighed)
+            lasting = np.full(len(t), length)
+            if discrete:
+                powers = np.linalg.matrix_power(found.A, int(length))
+                yield Segments(t, lasting, found.A - np.eye(numeric.n), found.A_error, weighed, powers)
+            else:
+                yield Segments(t, lasting, found.A, found.A_error, weighed)
 
     try:
         forms = forms_at(numeric, starts[:1])[0]

@@ -42,7 +42,9 @@ def warnings_of(
 def _sample_motion(system: System) -> Iterator[str]:
     """Warn that values are an example where functions are left open."""
     used = symbols(*system.A.entries.values(), *system.H.entries.values())
-    names = [one.name for one in system.functions if one.derivative is None and one.name in used]
+    recorded = set(getattr(system, "sampled", ()))
+    left = [one.name for one in system.functions if one.derivative is None and one.name in used]
+    names = [name for name in left if name not in recorded]
     if names:
         verb = "follows" if len(names) == 1 else "follow"
         yield f"{_listed(names)} {verb} a sample motion, no data: the values are an example"
