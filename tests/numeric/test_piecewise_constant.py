@@ -106,6 +106,22 @@ def test_the_rank_does_not_depend_on_the_form_of_the_local_matrices():
     assert ranks == [[3, 3, 3, 3]] * 3
 
 
+def test_a_sampled_system_has_the_ranks_of_the_one_it_samples():
+    from scipy.linalg import expm
+
+    rng = np.random.default_rng(9)
+    A, H = np.zeros((3, 4, 4)), rng.normal(size=(3, 1, 4))
+    A[:, :2] = rng.normal(size=(3, 2, 4))
+    F = expm(0.2 * A)
+    given = segments(A, H, [1.0] * 3)
+    sampled = segments(F, H, [1.0] * 3)
+    powers = np.linalg.matrix_power(F, 5)
+    stepped = Segments(sampled.starts, sampled.durations, F - np.eye(4), 0 * F, sampled.stack, powers)
+    found = [piecewise_constant([one], np.arange(4), np.ones(4), np.eye(4)) for one in (given, stepped)]
+    for name in ("local_rank", "total_rank", "stripped_rank", "violated", "since"):
+        np.testing.assert_array_equal(getattr(found[0], name), getattr(found[1], name))
+
+
 # --- the rocket ------------------------------------------------------------------------------------------------
 
 
