@@ -22,6 +22,7 @@ QUICK = {
     "calibration.py": ["--runs", "3"],
     "structure.py": ["--runs", "3"],
     "simulate.py": ["--runs", "1"],
+    "windows.py": ["--windows", "20000"],
     "pybounds_peer.py": ["--runs", "3"],
     "peers.py": ["--runs", "1", "--reduce-limit", "0"],
 }
@@ -32,6 +33,7 @@ TITLES = {
     "calibration.py": "Experiments: six runs, 24 candidates, 8 IMUs",
     "structure.py": "Structure: smaller models, explanations",
     "simulate.py": "The Kalman filter: INS calibration stage 1 at 10 Hz",
+    "windows.py": "Local observability in windows: a guided rocket",
     "pybounds_peer.py": "Sliding windows: INS calibration stage 1, beside pybounds",
     "peers.py": "Side by side: INS calibration stage 1",
     "witness.py": "The generators, checked by modular power series",

@@ -29,6 +29,7 @@ PAGES = {
     "docs/structure.md": 7,
     "docs/measures.md": 3,
     "docs/reducible.md": 2,
+    "docs/windows.md": 1,
     "docs/simulation.md": 4,
 }
 CONSOLE = re.compile(r"```console\n(.*?)```", re.DOTALL)

@@ -27,7 +27,7 @@ A combination is *constant* where xi' + xi A = 0. A state is *observable* where 
 *coupled* where it enters one, *unobservable* where it enters none.
 
 Public interface: ``load``, ``analyze``, ``verify``, ``calibrate``, ``plan``, ``transform``,
-``why``, ``ModelError``; see ``obscli.api``.
+``why``, ``windows``, ``ModelError``; see ``obscli.api``.
 
 References
 ----------
@@ -54,6 +54,7 @@ if TYPE_CHECKING:
         TransformReport,
         VerifyReport,
         WhyReport,
+        WindowsReport,
         analyze,
         calibrate,
         load,
@@ -63,6 +64,7 @@ if TYPE_CHECKING:
         transform,
         verify,
         why,
+        windows,
     )
     from obscli.core.place import ModelError
     from obscli.pipelines.request import (
@@ -74,6 +76,7 @@ if TYPE_CHECKING:
         SimulateRequest,
         TransformRequest,
         WhyRequest,
+        WindowsRequest,
     )
 
 
@@ -97,6 +100,8 @@ __all__ = [
     "VerifyReport",
     "WhyReport",
     "WhyRequest",
+    "WindowsReport",
+    "WindowsRequest",
     "__version__",
     "analyze",
     "calibrate",
@@ -107,6 +112,7 @@ __all__ = [
     "transform",
     "verify",
     "why",
+    "windows",
 ]
 
 #: Where each public name lives; imported when first used, so that ``import obscli`` costs nothing.
@@ -128,6 +134,8 @@ _HOMES = {
     "VerifyReport": "obscli.api",
     "WhyReport": "obscli.api",
     "WhyRequest": "obscli.pipelines.request",
+    "WindowsReport": "obscli.api",
+    "WindowsRequest": "obscli.pipelines.request",
     "analyze": "obscli.api",
     "calibrate": "obscli.api",
     "load": "obscli.api",
@@ -137,6 +145,7 @@ _HOMES = {
     "transform": "obscli.api",
     "verify": "obscli.api",
     "why": "obscli.api",
+    "windows": "obscli.api",
 }
 
 

@@ -17,7 +17,7 @@ from obscli.core.report import Report
 from obscli.model.system import Model
 from obscli.pipelines import analyze as analyze_pipeline
 from obscli.pipelines import calibrate as calibrate_pipeline
-from obscli.pipelines import measures_report, plan_report, simulate_report, verify_report
+from obscli.pipelines import measures_report, plan_report, simulate_report, verify_report, windows_report
 from obscli.pipelines import transform as transform_pipeline
 from obscli.pipelines import why as why_pipeline
 from obscli.pipelines.reading import load as load_changed
@@ -32,6 +32,7 @@ from obscli.pipelines.request import (
     SimulateRequest,
     TransformRequest,
     WhyRequest,
+    WindowsRequest,
     silent,
 )
 from obscli.render.format import Surface
@@ -89,6 +90,11 @@ class TransformReport(transform_pipeline.TransformReport, Shown):
 @dataclass(frozen=True, slots=True, eq=False)
 class WhyReport(why_pipeline.WhyReport, Shown):
     """What ``why`` found: ``results``, one a target and stage; ``document()``; ``data()``."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WindowsReport(windows_report.WindowsReport, Shown):
+    """What ``windows`` found: ``results``, one a stage, each with ``found``; ``document()``; ``data()``."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -213,6 +219,28 @@ def measure(
 
     found = run(_read(model, changes), request, changes, progress)
     return MeasuresReport(found.results, found.changes)
+
+
+def windows(
+    model: Source,
+    *,
+    request: WindowsRequest,
+    changes: Changes = Changes(),  # noqa: B008 - frozen and empty
+    progress: Progress = silent,
+) -> WindowsReport:
+    """Find how well states and quantities are observable in windows along the interval, in every stage.
+
+    Parameters
+    ----------
+    model : a model file, or a model read before (then ``changes`` must be empty)
+    request : how long windows are, how far apart, how they are weighed
+    changes : changes to make while reading
+    progress : told what is being done
+    """
+    from obscli.pipelines.windows import windows as run  # noqa: PLC0415 - floating point only where it is used
+
+    found = run(_read(model, changes), request, changes, progress)
+    return WindowsReport(found.results, found.changes)
 
 
 def simulate(

@@ -57,8 +57,8 @@ def _known_scaling(given: str | None) -> str | None:
     return None if given is None else _one_of(SCALINGS, given)
 
 
-def _known_units(given: str) -> str:
-    return _one_of(MEASURE_SCALINGS, given)
+def _known_units(given: str | None) -> str | None:
+    return None if given is None else _one_of(MEASURE_SCALINGS, given)
 
 
 def _step_error(given: float | None) -> float | None:
@@ -296,12 +296,13 @@ ScalingOption: TypeAlias = Annotated[
     ),
 ]
 MeasureScalingOption: TypeAlias = Annotated[
-    str,
+    str | None,
     typer.Option(
         "--scaling",
         callback=_known_units,
         metavar="|".join(MEASURE_SCALINGS),
-        help="Units of the states: as the file gives them, the prior's standard deviations, or `scale`.",
+        help="Units of the states: as the file gives them (default), the prior's standard deviations "
+        "(default with --window), or `scale`.",
     ),
 ]
 PlotOption: TypeAlias = Annotated[

@@ -161,6 +161,33 @@ class MeasuresRequest:
 WhyPart: TypeAlias = Literal["analytic"]
 
 
+#: What the matrix of a window is made of, and how its singular values are weighed.
+Stack: TypeAlias = Literal["discrete", "continuous"]
+Weights: TypeAlias = Literal["squared", "abs"]
+
+
+@dataclass(frozen=True, slots=True)
+class WindowsRequest:
+    """Which windows to look at: stages (empty: all), their length, how they are weighed.
+
+    ``length``: of a window; ``step``: between windows, and between samples where the file does not say;
+    ``stack``: samples of the outputs, or derivatives at the start; ``frozen``: A and H keep the values of the
+    start; ``weights``: of the singular values; ``scaling``: None: the prior's, else the file's sizes, else
+    none; ``kept``: so many windows at the most are reported; ``advice``: find which motion the states need.
+    """
+
+    length: float
+    step: float | None = None
+    stages: tuple[str, ...] = ()
+    stack: Stack = "discrete"
+    frozen: bool = True
+    weights: Weights = "squared"
+    scaling: MeasureScaling | None = None
+    numeric: NumericRequest = NumericRequest()
+    kept: int = 20_000
+    advice: bool = False
+
+
 @dataclass(frozen=True, slots=True)
 class WhyRequest:
     """What to explain (a state, a vector, a quantity, a combination), in which stages, which part."""
