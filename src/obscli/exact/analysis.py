@@ -177,8 +177,10 @@ def _combinations(proof: Proof, rows: list[PolyRow]) -> tuple[Combination, ...]:
 
 
 def _is_constant(proof: Proof, covector: Covector) -> bool:
-    """Whether ξ' + ξA = 0, so that the combination keeps its value along every solution."""
-    return not rate_of(proof.exact, proof.exact.row(covector))
+    """Whether ξ' + ξA = 0, or ξF = ξ, so that the combination keeps its value along every solution."""
+    row = proof.exact.row(covector)
+    after = rate_of(proof.exact, row)
+    return after == row if proof.exact.system.discrete else not after
 
 
 def _varying(proof: Proof) -> tuple[str, ...]:

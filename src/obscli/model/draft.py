@@ -98,6 +98,16 @@ class Draft:
     noise: Node | None = None
     interval: Node | None = None
     linearize: Entries | None = None
+    step: Node | None = None
+
+    @property
+    def is_discrete(self) -> bool:
+        """Whether the dynamics are those of a discrete-time system."""
+        return "F" in self.matrices
+
+    def indexed(self, name: str) -> Draft:
+        """Return the draft with a time symbol where it gives none."""
+        return self if self.time else replace(self, time=name)
 
     @property
     def is_empty(self) -> bool:
@@ -108,7 +118,7 @@ class Draft:
             or self.fix
             or self.matrices
             or self.outputs
-            or any(part is not None for part in (self.dynamics, self.measurements, self.noise, self.interval))
+            or any(part is not None for part in (self.dynamics, self.measurements, self.noise, self.interval, self.step))
         )
 
 
@@ -130,6 +140,7 @@ def merged(base: Draft, stage: Draft) -> Draft:
         outputs={**base.outputs, **_merged_outputs(base, stage)},
         noise=_merged_nodes(base.noise, stage.noise),
         interval=_merged_nodes(base.interval, stage.interval),
+        step=base.step if stage.step is None else stage.step,
     )
 
 
