@@ -18,7 +18,7 @@ from obscli.model.draft import Draft
 from obscli.model.environment import Environment
 from obscli.model.expression import Expression, Number, symbols
 from obscli.model.formula import formula
-from obscli.model.system import System
+from obscli.model.system import Noise, System
 from obscli.model.tree import Broken, Node
 from obscli.model.trouble import Problems
 
@@ -69,6 +69,15 @@ def _continuous(draft: Draft) -> Iterator[tuple[str, Node]]:
         break
     if draft.linearize is not None:
         yield "linearize", draft.node
+
+
+def check_noise(draft: Draft, noise: Noise | None, problems: Problems) -> None:
+    """Report a time between samples where samples are counted in steps."""
+    if draft.is_discrete and noise is not None and noise.step is not None:
+        hint = "R is the covariance of a sample, Q of what enters in a step; `every` of an output counts steps"
+        problems.add(
+            Problem(noise.place, "noise.step", "a discrete-time model (`F`) has its own `step`", hint)
+        )
 
 
 def step_of(draft: Draft, known: Environment, problems: Problems) -> Expression | None:

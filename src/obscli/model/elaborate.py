@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from obscli.model.claims import ClaimDraft, about, claims_of
 from obscli.model.constant import constant
 from obscli.model.declaration import Declared
-from obscli.model.discrete import step_of
+from obscli.model.discrete import check_noise, step_of
 from obscli.model.draft import Draft, Entries
 from obscli.model.dynamics import motion
 from obscli.model.environment import Environment, environment
@@ -80,6 +80,7 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
     )
     quantities = _quantities(draft, still, problems)
     noise = noise_of(draft.noise, targets, known.scope, problems)
+    check_noise(draft, noise, problems)
     return System(
         stage=setting.stage,
         time=draft.time or "t",

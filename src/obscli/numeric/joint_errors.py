@@ -175,7 +175,7 @@ class Pair:
                     refuse_infinite(timeline.t[own.first + k], root, errors.columns)
                     to_errors = self._to_errors(true, own, k)
                     yield Known(own.first + k, root, own.transition[k], to_errors, innovation)
-            root = own.transition[-1] @ root
+            root = own.onward @ root
             errors.move(self._onward(true, own))
 
     def _outputs_of(self, true: Stretch, own: Stretch, sample: Counts) -> _Outputs:
@@ -186,15 +186,18 @@ class Pair:
 
     def _to_errors(self, true: Stretch, own: Stretch, k: int) -> Array:
         """Return what takes (z, ε) to e at an instant of a panel."""
-        own_part = own.transition[k]
-        others = self.common @ true.transition[k] - own_part @ self.common
+        return self._errors_by(true.transition[k], own.transition[k])
+
+    def _errors_by(self, true_part: Array, own_part: Array) -> Array:
+        """Return what takes (z, ε) to e where Φ moves the truth and Φ_f the estimate."""
+        others = self.common @ true_part - own_part @ self.common
         return np.concatenate([others, own_part], axis=1)
 
     def _onward(self, true: Stretch, own: Stretch) -> Array:
         """Return what takes (z, ε) from a panel to the next."""
         n_x, n_f = true.transition.shape[1], own.transition.shape[1]
-        upper = np.concatenate([true.transition[-1], np.zeros((n_x, n_f))], axis=1)
-        return np.concatenate([upper, self._to_errors(true, own, -1)])
+        upper = np.concatenate([true.onward, np.zeros((n_x, n_f))], axis=1)
+        return np.concatenate([upper, self._errors_by(true.onward, own.onward)])
 
 
 def matched(schedule: Schedule, t: Array) -> tuple[Counts, Flags]:
