@@ -132,7 +132,13 @@ def structure_words(structure: Structure) -> str:
 
 def _slowest(modes: tuple[Mode, ...]) -> str:
     times = [time for mode in modes if (time := time_constant(mode)) is not None]
-    return f", the slowest with time constant {short(max(times), 3)}" if times else ""
+    if not times:
+        return ""
+    if not any(mode.discrete for mode in modes):
+        return f", the slowest with time constant {short(max(times), 3)}"
+    if not max(times):
+        return f", entirely within {counted(len(modes), 'step')}"
+    return f", the slowest with a time constant of {short(max(times), 3)} steps"
 
 
 def _persisting(structure: Structure) -> str:

@@ -21,7 +21,7 @@ from obscli.exact.field import Element
 from obscli.exact.finding import Analysis
 from obscli.exact.nonzero import first_nonzero, require_independent
 from obscli.exact.restore import Restorer
-from obscli.exact.rows import dot, drift
+from obscli.exact.rows import dot, is_solution
 from obscli.model.notation import covector_text, to_text
 from obscli.model.specialise import Specialisation
 from obscli.model.system import Claim, Covector, Quantity
@@ -160,7 +160,7 @@ class ExactClaim:
         return Counterexample(
             direction={state: to_text(entry) for state, entry in direction.items()},
             claim=to_text(Restorer(self.exact.interpreter).element(product)),
-            is_trajectory=not drift(self.exact, column),
+            is_trajectory=is_solution(self.exact, column),
         )
 
     def _change(self, quantity: Quantity, one: Correction) -> Change:

@@ -1,7 +1,7 @@
 """The steps k_1 … k_N of a discrete-time system at which the Gramian is wanted, and the last sample K.
 
 The time symbol counts steps, and so do the ends of the interval: whole numbers. Every instant has the outputs
-from there to K.
+from there to K: where nobody asks for other ones, at least n samples, which show all that constant F and H show.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def discrete_horizon(system: System, wanted: Wanted) -> Horizon:
     else:
         stop = whole(number_of(system, stop_given, "the stop"), "the stop")
     if wanted.times:
-        instants = np.unique([whole(number_of(system, t, "an instant"), "an instant") for t in wanted.times])
+        instants = np.unique([_asked(number_of(system, t, "an instant")) for t in wanted.times])
         if stop_given is None:
             stop = max(stop, instants[-1] + stop - start)
         outside = (instants < start) | (instants > stop)
@@ -58,7 +58,14 @@ def discrete_horizon(system: System, wanted: Wanted) -> Horizon:
         unfit = UnfitRequestError if asked else NotComputableError
         raise unfit(f"the interval stops at {stop:.6g}, not after its start {start:.6g}")
     samples = wanted.samples or (given.samples if given else None) or default_samples(system.n)
-    return Horizon(start, _spread(start, stop, samples), origin, stop)
+    return Horizon(start, _spread(start, max(start, stop - system.n + 1), samples), origin, stop)
+
+
+def _asked(value: float) -> float:
+    try:
+        return whole(value, "an instant")
+    except NotComputableError as error:
+        raise UnfitRequestError(str(error)) from error
 
 
 def _spread(start: float, stop: float, samples: int) -> Array:

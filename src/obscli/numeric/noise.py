@@ -114,6 +114,11 @@ def continuous_noise(numeric: NumericSystem, still: Sequence[str] = ()) -> Noise
     if names:
         hint = "obscli simulate takes samples as they come; else delete the key"
         raise NotComputableError(f"outages of {names} (`during`) are not taken into account here: {hint}")
+    if numeric.system.discrete and any(step != 1 for step in steps_of(numeric.system)):
+        raise NotComputableError(
+            "an output that is not sampled at every step (`every`) is not taken into account here: obscli "
+            "simulate takes samples as they come"
+        )
     return noise_model(numeric, still)
 
 

@@ -68,7 +68,10 @@ def gramian_blocks(result: StageResult) -> Iterator[Block]:
     yield Table(FACT_COLUMNS, tuple(_facts(found)))
     if found.window is not None:
         text = (
-            f"windows shortened, down to the last {short(found.window)} before an instant: over the whole "
+            f"windows shortened, down to the next {short(found.window)} steps: over the whole interval growth "
+            "drowns the rest"
+            if found.system.discrete
+            else f"windows shortened, down to the last {short(found.window)} before an instant: over the whole "
             "interval fast decay drowns the rest, or takes too many steps; the row space is the same"
         )
         yield Note("note", plain(text))
@@ -81,15 +84,30 @@ def gramian_blocks(result: StageResult) -> Iterator[Block]:
 def _facts(found: NumericFinding) -> Iterator[tuple[Cell, ...]]:
     count = len(found.points)
     first, last = number(found.points[0].t), number(found.points[-1].t)
-    ends = f"{first if first == last else f'{first} to {last}'}, from t0 = {number(found.start)}"
-    default = " (default interval: 20 over the fastest rate)" if found.default else ""
-    step_error = f"step error {short(found.rtol)}" if found.rtol else "no step error"
-    yield line(Text("method")), line(Text(f"{METHODS[found.method]}; {step_error}"))
-    yield line(Text("instants")), line(Text(f"{count}: {ends}{default}"))
+    if found.system.discrete:
+        yield from _discrete_facts(found)
+    else:
+        ends = f"{first if first == last else f'{first} to {last}'}, from t0 = {number(found.start)}"
+        default = " (default interval: 20 over the fastest rate)" if found.default else ""
+        step_error = f"step error {short(found.rtol)}" if found.rtol else "no step error"
+        yield line(Text("method")), line(Text(f"{METHODS[found.method]}; {step_error}"))
+        yield line(Text("instants")), line(Text(f"{count}: {ends}{default}"))
     yield line(Text("scaling")), line(Text(SCALINGS[found.scaling]))
     if found.sampled:
         yield line(Text("motion")), (_sampled(found),)
     yield line(Text("rank")), (_rank(found),)
+
+
+def _discrete_facts(found: NumericFinding) -> Iterator[tuple[Cell, ...]]:
+    """Yield how the Gramian of a discrete-time system was found, and at which steps."""
+    points, time = found.points, found.system.time
+    first, last = number(points[0].t), number(points[-1].t)
+    ends = first if first == last else f"{first} to {last}"
+    stop = number(max(point.start for point in points))
+    default = " (default interval)" if found.default else ""
+    yield line(Text("method")), line(Text("square root, carried back from sample to sample by QR"))
+    words = f"{len(points)}: {time} = {ends}, each with the outputs from there to {time} = {stop}{default}"
+    yield line(Text("steps")), line(Text(words))
 
 
 def _sampled(found: NumericFinding) -> Inline:
