@@ -1,6 +1,7 @@
 """A certificate of rank checked again, by code that shares nothing with the elimination that made it.
 
-Upper bound: H N = 0, N' - A N = N X (of a discrete-time system F N = N X) in exact arithmetic, N of full column rank. Lower bound: the minor of
+Upper bound: H N = 0, N' - A N = N X (of a discrete-time system F N = N X) in exact arithmetic, N of full
+column rank. Lower bound: the minor of
 L at the point, by Taylor series in ball arithmetic. Order: a direction w with H w_k = 0 below it and not at
 it, w_{k+1} = w_k' - A w_k (then L_k w = ± H w_k while the earlier ones vanish). Combinations: S N = 0, S of
 full row rank.

@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 
 def rate_of(exact: ExactSystem, row: Row) -> dict[int, Element]:
-    """Return l' + l A, the rate of change of a linear form l x; of a discrete-time system l F, what follows it."""
+    """Return l' + l A, the rate of change of a linear form l x.
+
+    Of a discrete-time system l F, the form that it is a step earlier.
+    """
     moving = {j: derivative for j, e in row.items() if (derivative := exact.field.derive(e))}
     return combined(exact.field, [(exact.field.one, moving), *((e, exact.A[i]) for i, e in row.items())])
 

@@ -33,9 +33,7 @@ def gramian_singular_values(subject: Subject) -> Found:
         raise NotMeasuredError("the Gramian over no time at all is zero: choose a later instant (--at)")
     rates = rates_of(numeric, np.linspace(subject.start, subject.at, 18)[1:-1])
     effort = Effort(STEP_ERROR["square-root"], affordable_steps(numeric))
-    return _found(
-        subject, square_root_gramian(numeric, subject.start, np.array([subject.at]), rates, effort)
-    )
+    return _found(subject, square_root_gramian(numeric, subject.start, np.array([subject.at]), rates, effort))
 
 
 def _found(subject: Subject, gramian: Gramian) -> Found:

@@ -5,7 +5,8 @@
     μ_j = max_λ ‖P_λ e_j‖ / λ,   P_λ the orthoprojector on the eigenspace of λ > 0;   ∞ if not observable
 
 (= max_i |u_ij|/λ_i where eigenvalues are simple; where they repeat |u_ij| depends on the choice of a basis.)
-Of a discrete-time system Φ(t_j, t_0) stands there, and t_j are whole steps. B is never formed in double precision: its condition is the square of that of the rows.
+Of a discrete-time system Φ(t_j, t_0) stands there, and t_j are whole steps. B is never formed in double
+precision: its condition is the square of that of the rows.
 
 References
 ----------

@@ -18,6 +18,7 @@ from obscli.model.draft import Draft
 from obscli.model.environment import Environment
 from obscli.model.expression import Expression, Number, symbols
 from obscli.model.formula import formula
+from obscli.model.keys import Fields
 from obscli.model.system import Noise, System
 from obscli.model.tree import Broken, Node
 from obscli.model.trouble import Problems
@@ -33,11 +34,24 @@ _INSTEAD: Final = {
     "linearize": "give the Jacobians as `F` and `H`",
     "functions": "write the function in terms of the step k under `let`",
 }
+#: Keys of experiments, which are put together of runs in continuous time.
+_RUNS: Final = ("experiment", "plan")
 
 
-def with_index(draft: Draft, stages: Mapping[str, Draft]) -> Draft:
-    """Return the base of a file with the time symbol k where it is a discrete-time model without one."""
-    return draft.indexed(INDEX) if any(one.is_discrete for one in (draft, *stages.values())) else draft
+def with_index(draft: Draft, stages: Mapping[str, Draft], given: Fields, problems: Problems) -> Draft:
+    """Return the base of a file with the time symbol k where it is a discrete-time model without one.
+
+    Parameters
+    ----------
+    given : the keys of the file, of which those that are for continuous time are reported
+    """
+    if not any(one.is_discrete for one in (draft, *stages.values())):
+        return draft
+    for key in _RUNS:
+        if key in given:
+            message = f"`{key}` of a discrete-time model (`F`) is not supported yet"
+            problems.add(given[key][0].problem("", message, "give the runs as models of their own"))
+    return draft.indexed(INDEX)
 
 
 def check_discrete(base: Draft, stages: Mapping[str, Draft], problems: Problems) -> None:
@@ -74,7 +88,9 @@ def _continuous(draft: Draft) -> Iterator[tuple[str, Node]]:
 def check_noise(draft: Draft, noise: Noise | None, problems: Problems) -> None:
     """Report a time between samples where samples are counted in steps."""
     if draft.is_discrete and noise is not None and noise.step is not None:
-        hint = "R is the covariance of a sample, Q of what enters in a step; `every` of an output counts steps"
+        hint = (
+            "R is the covariance of a sample, Q of what enters in a step; `every` of an output counts steps"
+        )
         problems.add(
             Problem(noise.place, "noise.step", "a discrete-time model (`F`) has its own `step`", hint)
         )

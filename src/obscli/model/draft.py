@@ -118,7 +118,7 @@ class Draft:
             or self.fix
             or self.matrices
             or self.outputs
-            or any(part is not None for part in (self.dynamics, self.measurements, self.noise, self.interval, self.step))
+            or any(part is not None for part in (self.dynamics, self.measurements, self.noise, self.interval))
         )
 
 
@@ -140,7 +140,6 @@ def merged(base: Draft, stage: Draft) -> Draft:
         outputs={**base.outputs, **_merged_outputs(base, stage)},
         noise=_merged_nodes(base.noise, stage.noise),
         interval=_merged_nodes(base.interval, stage.interval),
-        step=base.step if stage.step is None else stage.step,
     )
 
 

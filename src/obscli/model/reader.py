@@ -107,7 +107,7 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     stages = {
         name: freed(stage, options) for name, stage in read_stages(_node(given, "stages"), problems).items()
     }
-    draft = with_index(draft, stages)
+    draft = with_index(draft, stages, given, problems)
     _check_format(given, problems)
     check_namespace(draft, problems)
     draft = replace(draft, linearize=read_linearize(_node(given, "linearize"), problems))
@@ -127,10 +127,6 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     known = _known(draft, stages)
     experiment = read_experiment(_node(given, "experiment"), known, problems)
     plan = read_plan(_node(given, "plan"), known, problems)
-    for key in ("experiment", "plan"):
-        node = _node(given, key)
-        if draft.is_discrete and node is not None:
-            problems.add(node.problem("", f"`{key}` of a discrete-time model (`F`) is not supported yet"))
     if not draft.states:
         if "states" not in given or not problems:
             problems.add(root.problem("", "`states` is missing: the names of the states, in order"))

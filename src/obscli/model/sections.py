@@ -20,8 +20,8 @@ SYSTEM_KEYS: Final = (
     "measurements", "inputs", "disturbances", "outputs", "noise", "interval", "quantities", "linearize",
 )  # fmt: skip
 STAGE_KEYS: Final = (
-    "let", "A", "F", "H", "B", "G", "step", "dynamics", "measurements", "noise", "interval", "outputs",
-    "parameters", "fix", "description",
+    "let", "A", "F", "H", "B", "G", "dynamics", "measurements", "noise", "interval", "outputs", "parameters",
+    "fix", "description",
 )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Rank, gap and kernel of a discrete-time system at its steps, shorter windows where growth drowns the rest."""
+"""Rank, gap and kernel of a discrete-time system at its steps, by shorter windows where growth drowns it."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The steps k_1 … k_N of a discrete-time system at which the Gramian is wanted, and the last sample K.
 
 The time symbol counts steps, and so do the ends of the interval: whole numbers. Every instant has the outputs
-from there to K: where nobody asks for other ones, at least n samples, which show all that constant F and H show.
+from there to K: where nobody asks for others, n samples at least, which show all that constant F and H do.
 """
 
 from __future__ import annotations

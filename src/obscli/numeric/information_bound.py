@@ -70,8 +70,8 @@ def _moved(root: Array, transition: Array, t: float) -> Array:
         moved = triangle(np.asarray(np.linalg.solve(transition.T, root.T).T, dtype=float))
     except np.linalg.LinAlgError:
         raise NotComputableError(
-            f"F is singular at {t:.6g}: the samples then tell some combination of the next state exactly, and "
-            "there is no information matrix without a prior"
+            f"F is singular at {t:.6g}: the samples then tell some combination of the next state "
+            "exactly, and there is no information matrix without a prior"
         ) from None
     if not np.isfinite(moved).all():
         raise NotComputableError(

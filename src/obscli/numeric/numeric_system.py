@@ -1,8 +1,8 @@
 """A system as functions from instants to arrays: A(t), H(t) in batches, at the file's values.
 
 x' = A x,  y = H x.  Only the rows of A that are not zero are kept: most states of a calibration are constant,
-and what follows multiplies (p, n) instead of (n, n) matrices, p the number of states that move. Of a discrete-time
-system A is F, of which every row counts.
+and what follows multiplies (p, n) instead of (n, n) matrices, p the number of states that move. Of a
+discrete-time system A is F, of which every row counts.
 """
 
 from __future__ import annotations
@@ -153,7 +153,10 @@ class NumericSystem:
         return np.setdiff1d(np.arange(self.n), self.moving)
 
     def _where_not_finite(self, t: Array, found: Sequence[Value]) -> str:
-        places = [*self._matrix_places(self.system.dynamics_name, self.system.A), *self._matrix_places("H", self.system.H)]
+        places = [
+            *self._matrix_places(self.system.dynamics_name, self.system.A),
+            *self._matrix_places("H", self.system.H),
+        ]
         for place, value in zip(places, found, strict=True):
             bad = ~np.isfinite(np.broadcast_to(value, t.shape))
             if bad.any():

@@ -1,4 +1,4 @@
-"""A solution of x' = A x, or x(k+1) = F x(k), followed from a given state, and how much the outputs show of it.
+"""A solution of x' = A x, or x(k+1) = F x(k), followed from a given state, and what the outputs show of it.
 
 x(b) = Φ(a, b)⁻¹ x(a)
 """

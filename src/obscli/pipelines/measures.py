@@ -199,7 +199,9 @@ class _Stage:
         found = sorted({constant_value(one, constants_of(self._system)) for one in asked})
         for t in found:
             if self._system.discrete and t != round(t):
-                raise UnfitRequestError(f"the instant {t:.6g} is no whole step of a discrete-time model (--at)")
+                raise UnfitRequestError(
+                    f"the instant {t:.6g} is no whole step of a discrete-time model (--at)"
+                )
             if not horizon.start <= t < np.inf:
                 raise UnfitRequestError(
                     f"the instant {t:.6g} is before the start {horizon.start:.6g} (--from)"

@@ -42,7 +42,9 @@ def combination_blocks(finding: Analysis) -> Iterator[Block]:
         )
         for k, one in enumerate(finding.combinations, 1)
     )
-    yield Table(COMBINATION_COLUMNS, rows, (Text(LEGEND_OF_STEPS if finding.system.discrete else LEGEND, "faint"),))
+    yield Table(
+        COMBINATION_COLUMNS, rows, (Text(LEGEND_OF_STEPS if finding.system.discrete else LEGEND, "faint"),)
+    )
 
 
 def direction_blocks(finding: Analysis) -> Iterator[Block]:

@@ -22,6 +22,7 @@ from obscli.core.document import (
 )
 from obscli.core.number import plain as number
 from obscli.core.number import short
+from obscli.model.system import System
 from obscli.numeric.finding import NotComputed, NumericFinding, NumericPoint
 from obscli.pipelines.describe.instants import runs, span
 from obscli.pipelines.describe.words import SIGNS, names
@@ -67,18 +68,21 @@ def gramian_blocks(result: StageResult) -> Iterator[Block]:
         return
     yield Table(FACT_COLUMNS, tuple(_facts(found)))
     if found.window is not None:
-        text = (
-            f"windows shortened, down to the next {short(found.window)} steps: over the whole interval growth "
-            "drowns the rest"
-            if found.system.discrete
-            else f"windows shortened, down to the last {short(found.window)} before an instant: over the whole "
-            "interval fast decay drowns the rest, or takes too many steps; the row space is the same"
-        )
-        yield Note("note", plain(text))
+        yield Note("note", plain(_shortened(short(found.window), found.system)))
     table = Table(POINT_COLUMNS, tuple(_rows(found)), (Text(LEGEND, "faint"),))
     yield table if result.shown == "numeric" else Details((table,))
     every = Table(POINT_COLUMNS, tuple(_row(found, (point,)) for point in found.points))
     yield Details((Paragraph(plain("At every instant:")), every))
+
+
+def _shortened(window: str, system: System) -> str:
+    """Say that windows are shorter than the interval, and why."""
+    if system.discrete:
+        return f"windows shortened, down to the next {window} steps: over the whole interval growth hides the rest"
+    return (
+        f"windows shortened, down to the last {window} before an instant: over the whole "
+        "interval fast decay drowns the rest, or takes too many steps; the row space is the same"
+    )
 
 
 def _facts(found: NumericFinding) -> Iterator[tuple[Cell, ...]]:

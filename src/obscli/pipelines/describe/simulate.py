@@ -101,7 +101,11 @@ def _sampling_blocks(found: Simulation, system: System) -> Iterator[Block]:
     rows += [((names(tuple(outputs)),), line(Text(rate))) for rate, outputs in alike.items()]
     yield Table(FACT_COLUMNS, tuple(rows))
     if found.default:
-        taken = f"{number(found.stop - found.start)} steps are" if system.discrete else "20 over the fastest rate is"
+        taken = (
+            f"{number(found.stop - found.start)} steps are"
+            if system.discrete
+            else "20 over the fastest rate is"
+        )
         yield Note("note", plain(f"the file gives no `interval`: {taken} taken"))
     if found.assumed_step is not None:
         step = number(found.assumed_step)

@@ -42,8 +42,8 @@ LEGEND: Final = (
     "grows e-fold."
 )
 LEGEND_OF_STEPS: Final = (
-    "What no output shows moves by itself as s^k, s the eigenvalue, k the step. Time: the steps in which it falls "
-    "to 1/e, or grows e-fold; 0: it is gone after at most as many steps as it has directions."
+    "What no output shows moves by itself as s^k, s the eigenvalue, k the step. Time: the steps in which it "
+    "falls to 1/e, or grows e-fold; 0: it is gone after at most as many steps as it has directions."
 )
 ROLES: Final[dict[ModeKind, Role]] = {
     "decaying": "good",

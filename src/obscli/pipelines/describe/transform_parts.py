@@ -45,7 +45,9 @@ def part_blocks(found: Transformed) -> Iterator[Block]:
         ),
         (
             Text(
-                f"Blocks of {dynamics}, of the input matrix beside it, of H below; a dot is zero by structure.", "faint"
+                f"Blocks of {dynamics}, of the input matrix beside it, of H below; a dot is zero by "
+                "structure.",
+                "faint",
             ),
         ),
     )

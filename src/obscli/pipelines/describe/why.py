@@ -146,7 +146,10 @@ def _moves(mode: Mode) -> str:
     kind = mode.kind_there if mode.kind == "depends" else mode.kind
     condition = f"dies out iff {mode.condition}" if mode.condition else "moves by itself"
     time = time_constant(mode)
-    pace = "" if time is None else f", {'to 1/e' if kind == 'decaying' else 'e-fold'} in {short(time, 3)}"
+    unit = " steps" if mode.discrete else ""
+    pace = (
+        "" if time is None else f", {'to 1/e' if kind == 'decaying' else 'e-fold'} in {short(time, 3)}{unit}"
+    )
     driven = ", driven by others" if mode.chained else ""
     return f"{MOVES.get(kind, condition)} (eigenvalue {mode.eigenvalue}{pace}{driven})"
 
