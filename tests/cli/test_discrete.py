@@ -86,7 +86,9 @@ def test_commands_work(obscli, model, arguments):
     assert "derivative" not in outcome.out
 
 
-@pytest.mark.parametrize(("arguments", "what"), REFUSES, ids=lambda one: " ".join(one) if isinstance(one, tuple) else "")
+@pytest.mark.parametrize(
+    ("arguments", "what"), REFUSES, ids=lambda one: " ".join(one) if isinstance(one, tuple) else ""
+)
 def test_commands_refuse(obscli, model, arguments, what):
     outcome = obscli(*called(arguments, model))
     assert outcome.status == 2
@@ -112,7 +114,7 @@ def test_the_numeric_side_takes_what_varies(obscli, varying):
     [found] = json.loads(outcome.out)["results"]
     assert outcome.status == 0
     assert found["discrete"] is True
-    assert "F[x, x] depends on k" in found["analytic"]["reason"]
+    assert "F[x, x] depends on k" in found["analytic"]["undecided"][0]
     assert found["numeric"]["rank"] == 2
     assert obscli("simulate", varying).status == 0
     assert obscli("analyze", varying, "--strict").status == 4

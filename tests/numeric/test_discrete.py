@@ -66,7 +66,7 @@ def test_the_gramian_is_the_sum():
     assert found.starts.tolist() == [12.0] * 4
     for k, R, units in zip(found.instants, found.matrices, found.units, strict=True):
         expected = gramian(lambda i: matrices(i)[0], lambda i: matrices(i)[1], int(k), 12)
-        assert R.T @ R == pytest.approx(expected * units * units[:, None], rel=1e-12, abs=1e-13)
+        assert pytest.approx(expected * units * units[:, None], rel=1e-12, abs=1e-13) == R.T @ R
 
 
 def test_the_error_covers_rounding():

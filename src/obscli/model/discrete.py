@@ -81,8 +81,9 @@ def _continuous(draft: Draft) -> Iterator[tuple[str, Node]]:
     for function in draft.functions:
         yield "functions", function.declared.key
         break
-    if draft.linearize is not None:
-        yield "linearize", draft.node
+    for entry in (draft.linearize or {}).values():
+        yield "linearize", entry.key
+        break
 
 
 def check_noise(draft: Draft, noise: Noise | None, problems: Problems) -> None:
@@ -103,6 +104,8 @@ def step_of(draft: Draft, known: Environment, problems: Problems) -> Expression 
     found = constant(formula(draft.step, "step", problems), known.scope, problems)
     if isinstance(found, Number) and found.value <= 0:
         problems.add(draft.step.problem("step", "a positive time is expected here"))
+    if found is not None and draft.time in symbols(found):
+        problems.add(draft.step.problem("step", f"the step depends on {draft.time}: it is one number"))
     return found
 
 

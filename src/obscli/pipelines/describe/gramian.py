@@ -78,7 +78,7 @@ def gramian_blocks(result: StageResult) -> Iterator[Block]:
 def _shortened(window: str, system: System) -> str:
     """Say that windows are shorter than the interval, and why."""
     if system.discrete:
-        return f"windows shortened, down to the next {window} steps: over the whole interval growth hides the rest"
+        return f"windows shortened, down to the next {window} steps: growth hides the rest over the interval"
     return (
         f"windows shortened, down to the last {window} before an instant: over the whole "
         "interval fast decay drowns the rest, or takes too many steps; the row space is the same"
