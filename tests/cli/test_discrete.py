@@ -95,6 +95,28 @@ def test_commands_refuse(obscli, model, arguments, what):
     assert f"sampled.yaml:4:{len('F: [[') + 1}: {REFUSED.format(what)}" in outcome.err
 
 
+def test_a_filter_in_continuous_time_is_refused(obscli, model, tmp_path):
+    other = tmp_path / "other.yaml"
+    text = MODEL.replace("F: [[1,", "A: [[0,").replace("step: T\n", "").split("claims:")[0]
+    other.write_text(text, encoding="utf-8")
+    outcome = obscli("simulate", "--truth", model, "--filter", other)
+    assert "the filter is in continuous time, the true model in discrete time" in outcome.out
+
+
+def test_sizes_of_stationary_systems_stay_undecided(obscli, model):
+    model.write_text(MODEL + "expect: [{stationary: {smallest: 3}}]\n", encoding="utf-8")
+    outcome = obscli("verify", model)
+    assert outcome.status == 0
+    assert "stationary systems are those of systems in continuous time" in outcome.out
+
+
+def test_every_window_begins_at_its_step(obscli, model):
+    [found] = json.loads(obscli("analyze", model, "--format", "json").out)["results"]
+    points = found["numeric"]["points"]
+    assert all(one["t"] == one["start"] for one in points)
+    assert {one["stop"] for one in points} == {30.0}
+
+
 @pytest.mark.parametrize("method", ["lyapunov", "quadrature", "lift"])
 def test_methods_of_continuous_time_are_refused(obscli, model, method):
     outcome = obscli("analyze", model, "--gramian", method)

@@ -6,6 +6,7 @@ from scipy.linalg import expm
 
 from obscli.model.reader import load, read_text
 from obscli.numeric.analysis import analyze
+from obscli.numeric.dense_transition import dense_transitions
 from obscli.numeric.discrete_gramian import discrete_gramian
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.horizon import Wanted, horizon_of
@@ -18,8 +19,9 @@ from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.partners import knowledge
 from obscli.numeric.riccati import cross_check
 from obscli.numeric.schedule import schedule_of
-from obscli.numeric.settings import Settings
+from obscli.numeric.settings import Effort, Settings
 from obscli.numeric.trajectory import follow
+from obscli.numeric.transition import panels
 
 
 TURNING = """\
@@ -142,6 +144,17 @@ def test_a_trajectory_is_the_product():
         x = matrices(k)[0] @ x
         states.append(x)
     assert found.states == pytest.approx(np.array(states)[found.instants.astype(int)], rel=1e-13)
+
+
+def test_nothing_integrates_a_discrete_time_system():
+    """Whoever does not know of discrete time is refused where panels are made."""
+    numeric = NumericSystem(read(TURNING), 0, 12)
+    for made in (
+        panels(numeric, np.array([0.0, 1.0]), Effort(1e-12, 10)),
+        dense_transitions(numeric, np.array([0.0, 1.0])),
+    ):
+        with pytest.raises(NotComputableError, match="discrete-time"):
+            next(iter(made))
 
 
 # -- filters

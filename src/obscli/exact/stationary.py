@@ -29,7 +29,6 @@ from obscli.exact.same_order import same_order
 
 
 if TYPE_CHECKING:
-
     from obscli.exact.exact_system import Row
     from obscli.exact.exponential_polynomial import Mode
     from obscli.exact.field import Element
@@ -53,8 +52,10 @@ def stationary_of(proof: Proof) -> Stationary | NotReducible:
 
     Raises
     ------
-    UndecidedError : the coefficients grow too large
+    UndecidedError : the coefficients grow too large; for a discrete-time system
     """
+    if proof.exact.system.discrete:
+        raise UndecidedError("stationary systems are those of systems in continuous time")
     return _Search(proof).run()
 
 

@@ -70,8 +70,6 @@ def hidden_motion(
     NotComputableError
         where the system cannot be integrated, or the directions are not invariant
     """
-    if system.discrete:
-        raise NotComputableError("hidden errors of a discrete-time model are not followed step by step yet")
     numeric = NumericSystem(system, start, stop)
     rates = rates_of(numeric, np.linspace(start, stop, _PROBES)[1:-1])
     steps = affordable_steps(numeric)

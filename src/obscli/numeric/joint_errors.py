@@ -103,6 +103,7 @@ class Pair:
         self.truth = truth
         self.design = design
         self.common = _among(design.numeric.system.state_names, truth.numeric.system.state_names)
+        self._check_time()
         names = [[one.name for one in system.numeric.system.outputs] for system in (design, truth)]
         self._outputs = _among(*names)
         unknown = [name for name in names[0] if name not in names[1]]
@@ -120,6 +121,15 @@ class Pair:
         """A square root of the covariance of (z, ε) before the first sample, where x̂ = 0."""
         root = self.truth.prior
         return np.concatenate([root, self.common @ root])
+
+    def _check_time(self) -> None:
+        """Refuse a filter in discrete time on a truth in continuous time, and the other way round."""
+        kinds = [one.numeric.system.discrete for one in (self.design, self.truth)]
+        if kinds[0] != kinds[1]:
+            words = ["discrete" if one else "continuous" for one in kinds]
+            raise NotComputableError(
+                f"the filter is in {words[0]} time, the true model in {words[1]} time: give both the same kind"
+            )
 
     def _check_samples(self) -> None:
         """Refuse a filter that wants samples that the truth does not have."""

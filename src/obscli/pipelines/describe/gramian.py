@@ -107,7 +107,7 @@ def _discrete_facts(found: NumericFinding) -> Iterator[tuple[Cell, ...]]:
     points, time = found.points, found.system.time
     first, last = number(points[0].t), number(points[-1].t)
     ends = first if first == last else f"{first} to {last}"
-    stop = number(max(point.start for point in points))
+    stop = number(max(point.stop or 0.0 for point in points))
     default = " (default interval)" if found.default else ""
     yield line(Text("method")), line(Text("square root, carried back from sample to sample by QR"))
     words = f"{len(points)}: {time} = {ends}, each with the outputs from there to {time} = {stop}{default}"
