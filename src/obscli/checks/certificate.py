@@ -25,6 +25,7 @@ from obscli.exact.finding import Certificate
 from obscli.exact.identity import fingerprint, independent_constants
 from obscli.exact.lower import PRECISIONS, highest_derivative, minor, used_names
 from obscli.exact.rows import dot, drift
+from obscli.exact.sample_window import static
 from obscli.model.expression import Expression
 from obscli.model.system import Covector, System
 
@@ -46,7 +47,7 @@ def check_certificate(
     """
     claim = f"certificate: rank {certificate.rank}, saturated at order {certificate.order}"
     try:
-        _check(system, certificate, combinations)
+        _check(static(system), certificate, combinations)
     except _RejectedError as rejected:
         return CheckResult(claim, "fails", str(rejected))
     except (UndecidedError, UndefinedError) as error:

@@ -16,7 +16,7 @@ from obscli.core.place import ModelError, Problem
 from obscli.model.constant import constant
 from obscli.model.draft import Draft
 from obscli.model.environment import Environment
-from obscli.model.expression import Expression, Number, symbols
+from obscli.model.expression import Apply, Expression, Number, Pi, postorder, symbols
 from obscli.model.formula import formula
 from obscli.model.keys import Fields
 from obscli.model.system import Noise, System
@@ -125,6 +125,25 @@ def varying_entry(system: System) -> str | None:
                 place = matrix.places.get((i, j))
                 return f"{f'{place}: ' if place else ''}{key}[{names[key][i]}, {system.state_names[j]}]"
     return None
+
+
+def repeating_entry(system: System) -> str | None:
+    """Return where a coefficient contains a function of a multiple of π times the step; None: none does."""
+    for node, where in _functions(system):
+        inside = postorder(node.argument)
+        if system.time in symbols(node.argument) and any(isinstance(one, Pi) for one in inside):
+            return where
+    return None
+
+
+def _functions(system: System) -> Iterator[tuple[Apply, str]]:
+    """Yield the elementary functions in the coefficients, and the place of each."""
+    names = {"H": tuple(one.name for one in system.outputs), system.dynamics_name: system.state_names}
+    for key, matrix in ((system.dynamics_name, system.A), ("H", system.H)):
+        for (i, j), entry in matrix.entries.items():
+            place = matrix.places.get((i, j))
+            where = f"{f'{place}: ' if place else ''}{key}[{names[key][i]}, {system.state_names[j]}]"
+            yield from ((node, where) for node in postorder(entry) if isinstance(node, Apply))
 
 
 def require_continuous(system: System, what: str, hint: str = "") -> None:
