@@ -131,15 +131,22 @@ def test_instants_between_steps_are_refused(obscli, model):
         assert "step" in outcome.err
 
 
-def test_the_numeric_side_takes_what_varies(obscli, varying):
+def test_both_sides_take_what_varies(obscli, varying):
     outcome = obscli("analyze", varying, "--format", "json")
     [found] = json.loads(outcome.out)["results"]
     assert outcome.status == 0
     assert found["discrete"] is True
-    assert "F[x, x] depends on k" in found["analytic"]["undecided"][0]
-    assert found["numeric"]["rank"] == 2
-    assert obscli("simulate", varying).status == 0
-    assert obscli("analyze", varying, "--strict").status == 4
+    assert found["analytic"]["rank"] == found["numeric"]["rank"] == 2
+    assert found["verification"]["verdict"] == "verified"
+    for command in (("verify",), ("simulate",), ("measures",)):
+        assert obscli(*called(command, varying)).status == 0
+
+
+def test_what_is_for_constant_coefficients_names_the_entry(obscli, varying):
+    for command in (("why", "x"), ("transform", "--to", "observable")):
+        outcome = obscli(*called(command, varying))
+        assert "F[x, x] depends on k" in " ".join(outcome.out.split())
+        assert obscli(*called((*command, "--strict"), varying)).status == 4
 
 
 @pytest.mark.parametrize("option", ["--to observable", "--to kalman", "--drop"])

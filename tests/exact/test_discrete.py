@@ -246,11 +246,65 @@ def test_what_keeps_its_value_is_what_f_leaves_alone():
     }
 
 
+# -- coefficients that depend on the step
+
+
+def changing(F, H, change, shift):
+    """The system in z(k) = T(k) x(k):  T(k+1) F T(k)^-1 and H T(k)^-1 as text, T = [[1, g(k)], [0, 1]]."""
+    (a, b), (c, d) = F
+    g, after = change, shift
+    moved = [
+        [f"({a}) + ({after})*({c})", f"({b}) + ({after})*({d}) - ({g})*(({a}) + ({after})*({c}))"],
+        [f"{c}", f"({d}) - ({g})*({c})"],
+    ]
+    seen = [[f"{h}", f"({i}) - ({g})*({h})"] for h, i in H]
+    return system(moved, seen, "parameters: {w: 0.7, a: 0.3}\n")
+
+
 @pytest.mark.parametrize(
-    ("F", "H", "entry"), [([["k"]], [[1]], "F[x1, x1]"), ([[1]], [["cos(k)"]], "H[y1, x1]")]
+    ("change", "shift"),
+    [("k", "k + 1"), ("k^2", "(k + 1)^2"), ("cos(w*k)", "cos(w*(k + 1))"), ("exp(-a*k)", "exp(-a*(k + 1))")],
 )
-def test_coefficients_that_vary_are_refused_by_name(F, H, entry):
+@pytest.mark.parametrize(
+    ("F", "H", "rank"),
+    [([[2, 0], [0, 3]], [[1, 0]], 1), ([[2, 1], [0, 3]], [[1, 0]], 2), ([[0, 0], [1, 0]], [[1, 0]], 1)],
+)
+def test_a_change_of_variables_that_moves_keeps_the_rank(change, shift, F, H, rank):
+    given = changing(F, H, change, shift)
+    found = analyze(given, QUICK)
+    assert isinstance(found, Analysis)
+    assert found.rank == rank == analyze(system(F, H), QUICK).rank
+    assert check_certificate(given, found.certificate, basis(found)).verdict == "holds"
+    assert found.system is given
+    assert found.at_values.rank == rank
+
+
+def test_a_combination_that_moves_with_the_step():
+    found = analyze(system([[1, -1], [0, 1]], [[1, "k"]]), Options())
+    [one] = found.combinations
+    assert {state: to_text(e) for state, e in one.coefficients.items()} == {"x1": "1", "x2": "k"}
+    assert (one.output, one.order, one.constant) == ("y1", 0, True)
+    assert found.structure.verdict == "undecided"
+
+
+def test_the_order_is_that_of_the_samples():
+    found = analyze(system([[1, "k"], [0, 1]], [[1, 0]]), QUICK)
+    assert found.order == 1
+    assert [(one.output, one.order) for one in found.combinations] == [("y1", 0), ("y1", 1)]
+
+
+@pytest.mark.parametrize(
+    ("F", "H"), [([["cos(pi*k)"]], [[1]]), ([["sin(2*asin(1)*k)"]], [[1]]), ([[1]], [["sin(2*pi*k)"]])]
+)
+def test_what_repeats_at_whole_steps_is_refused(F, H):
+    """sin(2 pi k) is zero at every step, though it is no zero function of a real k."""
     found = analyze(system(F, H), QUICK)
     assert isinstance(found, Undecided)
-    assert entry in found.reason
-    assert "depends on k" in found.reason
+    assert "repeats at whole steps" in found.reason
+
+
+def test_values_that_make_it_repeat_leave_the_rank_there_open():
+    found = analyze(system([[1]], [["sin(w*k)"]], "parameters: {w: 2*pi}\n"), QUICK)
+    assert found.rank == 1
+    assert found.at_values.rank is None
+    assert "repeats at whole steps" in found.at_values.reason

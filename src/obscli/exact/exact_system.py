@@ -91,12 +91,12 @@ def read_system(system: System, extra: Iterable[Expression] = (), jets: int = 4)
 
 
 def _require_constant_if_discrete(system: System) -> None:
-    """Refuse coefficients of a discrete-time system that depend on the step: the algebra here is of x'."""
+    """Refuse coefficients of a discrete-time system that depend on the step: the derivation here is d/dt."""
     where = varying_entry(system) if system.discrete else None
     if where is not None:
         raise UndecidedError(
-            f"{where} depends on {system.time}: exact answers are for constant F and H of discrete-time "
-            "models yet; the Gramian takes this one (--only numeric)"
+            f"{where} depends on {system.time}: this is for constant F and H of discrete-time models yet "
+            "(obscli analyze takes it, by samples)"
         )
 
 

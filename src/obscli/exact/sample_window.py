@@ -2,15 +2,16 @@
 
     y(k+j) = L_j(k) x(k),    L_0 = H(k),  L_{j+1}(k) = L_j(k+1) F(k),    j = 0 … n − 1
 
-k is anything that does not move: rank, combinations and directions of the rows L_j(k) are those of x(k), at generic k. The
-span V_j of L_0 … L_j over the functions of k satisfies V_{j+1} = V_0 + V_j(k+1) F, so that once it stands it stands
-for ever: n samples are enough, for a singular F too. Generic k is a real number here; identities hold at whole
-ones, and a minor that is no identity vanishes at isolated ones only, except where sines of multiples of π k stand:
-these are refused.
+k is anything that does not move: rank, combinations and directions of the rows L_j(k) are those of x(k), at
+generic k. The span V_j of L_0 … L_j over the functions of k satisfies V_{j+1} = V_0 + V_j(k+1) F, so that once
+it stands it stands for ever: n samples are enough, for a singular F too. Generic k is a real number here;
+identities hold at whole ones, and a minor that is no identity vanishes at isolated ones only, except where sines
+of multiples of π k stand: these are refused.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
@@ -25,7 +26,7 @@ from obscli.model.system import Function, Matrix, Output
 
 
 if TYPE_CHECKING:
-    from obscli.exact.finding import Analysis, AtValues, Combination
+    from obscli.exact.finding import Analysis, AtValues, Combination, CriticalSearch
     from obscli.model.expression import Expression
     from obscli.model.system import Covector, System
 
@@ -33,9 +34,10 @@ if TYPE_CHECKING:
 _MOST_ROWS: Final = 400
 
 MOVES: Final = "how the unobservable directions move depends on the step"
+_GENERIC: Final = "The rank holds at generic steps; at single values of"
 _REPEATS: Final = (
-    "{} contains a sine or exponential of a multiple of pi*{}, which repeats at whole steps: give the phases as "
-    "models of their own"
+    "{} contains a sine or exponential of a multiple of pi*{}, which repeats at whole steps: give the phases "
+    "as models of their own"
 )
 
 
@@ -153,13 +155,33 @@ def of_window(system: System, found: Analysis) -> Analysis:
         order=max((one.order for one in combinations), default=0),
         combinations=combinations,
         at_values=_at_values(system, found.at_values),
+        critical=None if found.critical is None else _critical(system, found.critical),
         frozen_rank=None,
         varying=(f"the step {system.time}",),
-        notes=(*found.notes, f"The rank holds at generic steps; at single values of {system.time} it may be lower."),
+        notes=(
+            *found.notes,
+            f"The rank holds at generic steps; at single values of {system.time} it may be lower.",
+        ),
         structure=Structure(
             hidden, "undecided" if hidden else "observable", reason=MOVES, directions=found.unobservable
         ),
     )
+
+
+def _critical(system: System, found: CriticalSearch) -> CriticalSearch:
+    """Return the critical values without what is undecided of single steps: the rank is that of generic ones."""
+    kept = tuple(
+        one
+        for one in found.values
+        if one.kind in {"confirmed", "excluded"} or not _names_the_step(system, one.condition)
+    )
+    steps = f"single values of {system.time}, at which the rank may be lower"
+    rest = tuple(one for one in found.not_searched if not _names_the_step(system, one))
+    return replace(found, values=kept, complete=False, not_searched=(*rest, steps), instants=())
+
+
+def _names_the_step(system: System, text: str) -> bool:
+    return system.time in re.findall(r"\w+", text)
 
 
 def _combination(system: System, one: Combination, origin: dict[str, tuple[str, int]]) -> Combination:

@@ -34,6 +34,9 @@ _INSTEAD: Final = {
     "linearize": "give the Jacobians as `F` and `H`",
     "functions": "write the function in terms of the step k under `let`",
 }
+#: Functions whose values at constants may be multiples of π.
+_INVERSE: Final = frozenset({"asin", "acos", "atan"})
+
 #: Keys of experiments, which are put together of runs in continuous time.
 _RUNS: Final = ("experiment", "plan")
 
@@ -131,9 +134,14 @@ def repeating_entry(system: System) -> str | None:
     """Return where a coefficient contains a function of a multiple of π times the step; None: none does."""
     for node, where in _functions(system):
         inside = postorder(node.argument)
-        if system.time in symbols(node.argument) and any(isinstance(one, Pi) for one in inside):
+        if system.time in symbols(node.argument) and any(map(_may_be_pi, inside)):
             return where
     return None
+
+
+def _may_be_pi(node: Expression) -> bool:
+    """Whether a node is π, or an inverse function, whose values are multiples of it."""
+    return isinstance(node, Pi) or (isinstance(node, Apply) and node.function in _INVERSE)
 
 
 def _functions(system: System) -> Iterator[tuple[Apply, str]]:

@@ -128,7 +128,7 @@ class Pair:
         if kinds[0] != kinds[1]:
             words = ["discrete" if one else "continuous" for one in kinds]
             raise NotComputableError(
-                f"the filter is in {words[0]} time, the true model in {words[1]} time: give both the same kind"
+                f"the filter is in {words[0]} time, the true model in {words[1]} time: give both the same"
             )
 
     def _check_samples(self) -> None:
