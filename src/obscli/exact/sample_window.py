@@ -2,11 +2,11 @@
 
     y(k+j) = L_j(k) x(k),    L_0 = H(k),  L_{j+1}(k) = L_j(k+1) F(k),    j = 0 … n − 1
 
-k is anything that does not move: rank, combinations and directions of the rows L_j(k) are those of x(k), at
-generic k. The span V_j of L_0 … L_j over the functions of k satisfies V_{j+1} = V_0 + V_j(k+1) F, so that once
-it stands it stands for ever: n samples are enough, for a singular F too. Generic k is a real number here;
-identities hold at whole ones, and a minor that is no identity vanishes at isolated ones only, except where sines
-of multiples of π k stand: these are refused.
+k is anything that does not move: rank, combinations and directions of the rows L_j(k) are those of x(k), for
+a generic k. The span V_j of L_0 … L_j over the functions of k satisfies V_{j+1} = V_0 + V_j(k+1) F, so that
+once it stands it stands for ever: n samples are enough, for a singular F too. A generic k is a real number;
+identities hold at whole ones, and a minor that is no identity vanishes at isolated ones only, except where
+sines of multiples of π k stand: these are refused.
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ def of_window(system: System, found: Analysis) -> Analysis:
 
 
 def _critical(system: System, found: CriticalSearch) -> CriticalSearch:
-    """Return the critical values without what is undecided of single steps: the rank is that of generic ones."""
+    """Return the critical values without what is undecided of single steps: the rank is generic."""
     kept = tuple(
         one
         for one in found.values
