@@ -1,6 +1,7 @@
 """A certificate of rank checked again, by code that shares nothing with the elimination that made it.
 
-Upper bound: H N = 0, N' - A N = N X in exact arithmetic, N of full column rank. Lower bound: the minor of
+Upper bound: H N = 0, N' - A N = N X (of a discrete-time system F N = N X) in exact arithmetic, N of full
+column rank. Lower bound: the minor of
 L at the point, by Taylor series in ball arithmetic. Order: a direction w with H w_k = 0 below it and not at
 it, w_{k+1} = w_k' - A w_k (then L_k w = ± H w_k while the earlier ones vanish). Combinations: S N = 0, S of
 full row rank.
@@ -24,6 +25,7 @@ from obscli.exact.finding import Certificate
 from obscli.exact.identity import fingerprint, independent_constants
 from obscli.exact.lower import PRECISIONS, highest_derivative, minor, used_names
 from obscli.exact.rows import dot, drift
+from obscli.exact.sample_window import static
 from obscli.model.expression import Expression
 from obscli.model.system import Covector, System
 
@@ -45,7 +47,7 @@ def check_certificate(
     """
     claim = f"certificate: rank {certificate.rank}, saturated at order {certificate.order}"
     try:
-        _check(system, certificate, combinations)
+        _check(static(system), certificate, combinations)
     except _RejectedError as rejected:
         return CheckResult(claim, "fails", str(rejected))
     except (UndecidedError, UndefinedError) as error:
@@ -135,7 +137,8 @@ def _check_identities(exact: ExactSystem, certificate: Certificate, kernel: Sequ
         for factor, other in zip(factors, kernel, strict=True):
             for i, entry in other.items() if factor else ():
                 rest[i] = rest.get(i, exact.field.zero) - factor * entry
-        _require(not any(rest.values()), f"N' - A N = N X fails for direction {k + 1}")
+        identity = "F N = N X" if exact.system.discrete else "N' - A N = N X"
+        _require(not any(rest.values()), f"{identity} fails for direction {k + 1}")
     _check_order(exact, certificate)
 
 

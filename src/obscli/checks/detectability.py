@@ -132,7 +132,13 @@ def structure_words(structure: Structure) -> str:
 
 def _slowest(modes: tuple[Mode, ...]) -> str:
     times = [time for mode in modes if (time := time_constant(mode)) is not None]
-    return f", the slowest with time constant {short(max(times), 3)}" if times else ""
+    if not times:
+        return ""
+    if not any(mode.discrete for mode in modes):
+        return f", the slowest with time constant {short(max(times), 3)}"
+    if not max(times):
+        return f", entirely within {counted(len(modes), 'step')}"
+    return f", the slowest with a time constant of {short(max(times), 3)} steps"
 
 
 def _persisting(structure: Structure) -> str:
@@ -150,7 +156,15 @@ def _eigenvalues(modes: Iterable[Mode]) -> str:
 
 
 def time_constant(mode: Mode) -> float | None:
-    """Return 1/|Re s| at the file's values: in which a mode falls to 1/e, or grows e-fold; None: neither."""
+    """Return in which time a mode falls to 1/e, or grows e-fold, at the file's values; None: neither.
+
+    1/|Re s|; for a discrete-time system 1/|ln |s||, in steps, and 0 for s = 0.
+    """
+    if mode.discrete:
+        moduli = [abs(value) for value in mode.values]
+        if not moduli or mode.kind_there not in {"decaying", "growing"} or 1.0 in moduli:
+            return None
+        return max(1 / abs(log(one)) if one else 0.0 for one in moduli)
     reals = [abs(value.real) for value in mode.values]
     if not reals or mode.kind_there not in {"decaying", "growing"} or not min(reals):
         return None

@@ -21,7 +21,8 @@ from obscli.exact.field import Element
 from obscli.exact.finding import Analysis
 from obscli.exact.nonzero import first_nonzero, require_independent
 from obscli.exact.restore import Restorer
-from obscli.exact.rows import dot, drift
+from obscli.exact.rows import dot, is_solution
+from obscli.exact.sample_window import static
 from obscli.model.notation import covector_text, to_text
 from obscli.model.specialise import Specialisation
 from obscli.model.system import Claim, Covector, Quantity
@@ -66,7 +67,9 @@ class ExactClaim:
             *analysis.unobservable,
             *(c.coefficients for c in analysis.combinations),
         ]
-        self.exact: ExactSystem = read_system(analysis.system, [e for c in covectors for e in c.values()])
+        self.exact: ExactSystem = read_system(
+            static(analysis.system), [e for c in covectors for e in c.values()]
+        )
         self.kernel = [self.exact.row(direction) for direction in analysis.unobservable]
         self.basis = [self.exact.row(c.coefficients) for c in analysis.combinations]
 
@@ -160,7 +163,7 @@ class ExactClaim:
         return Counterexample(
             direction={state: to_text(entry) for state, entry in direction.items()},
             claim=to_text(Restorer(self.exact.interpreter).element(product)),
-            is_trajectory=not drift(self.exact, column),
+            is_trajectory=self.exact.system is self.analysis.system and is_solution(self.exact, column),
         )
 
     def _change(self, quantity: Quantity, one: Correction) -> Change:

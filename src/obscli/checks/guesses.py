@@ -8,6 +8,7 @@ from dataclasses import replace
 from obscli.exact.errors import UndecidedError, UndefinedError
 from obscli.exact.exact_system import ExactSystem, Row, read_system
 from obscli.exact.finding import Analysis
+from obscli.exact.sample_window import static
 from obscli.numeric.finding import CoefficientCurve, EchelonFinding
 
 
@@ -22,7 +23,7 @@ def check_guesses(found: EchelonFinding, analysis: Analysis) -> EchelonFinding:
     forms = [one.guess.expression for one in found.curves if one.guess.expression is not None]
     entries = [e for one in analysis.combinations for e in one.coefficients.values()]
     try:
-        exact = read_system(analysis.system, [*forms, *entries])
+        exact = read_system(static(analysis.system), [*forms, *entries])
         rows = _rows(exact, analysis)
         return replace(found, curves=tuple(_checked(one, exact, rows) for one in found.curves))
     except (UndecidedError, UndefinedError):

@@ -20,6 +20,7 @@ from obscli.exact.prove import Proof, certificate, prove
 from obscli.exact.relations import relations_of
 from obscli.exact.relations_finding import Relations
 from obscli.exact.rows import dot, rate_of
+from obscli.exact.sample_window import is_window_needed, of_window, sample_window, static
 from obscli.exact.saturation import saturate
 from obscli.exact.structure import structure_of
 from obscli.exact.verdicts import groups, quantity_verdict, state_verdicts
@@ -67,6 +68,8 @@ def analyze(
     progress : called with a short text before each longer step
     """
     options = options or Options()
+    if is_window_needed(system):
+        return _of_samples(system, options, progress)
     progress("observability matrix")
     jets = 4
     while True:
@@ -78,6 +81,18 @@ def analyze(
             continue
         except (UndecidedError, UndefinedError) as error:
             return Undecided(system, str(error))
+
+
+def _of_samples(system: System, options: Options, progress: Progress) -> Analysis | Undecided:
+    """Analyse a discrete-time system that depends on the step by n of its samples."""
+    try:
+        found = analyze(sample_window(system), replace(options, structure=False, relations=False), progress)
+        if isinstance(found, Undecided):
+            return Undecided(system, found.reason)
+        found = of_window(system, found)
+    except (UndecidedError, UndefinedError) as error:
+        return Undecided(system, str(error))
+    return replace(found, advice=advise(found))
 
 
 def _extra(system: System, options: Options) -> list[Expression]:
@@ -177,8 +192,10 @@ def _combinations(proof: Proof, rows: list[PolyRow]) -> tuple[Combination, ...]:
 
 
 def _is_constant(proof: Proof, covector: Covector) -> bool:
-    """Whether ξ' + ξA = 0, so that the combination keeps its value along every solution."""
-    return not rate_of(proof.exact, proof.exact.row(covector))
+    """Whether ξ' + ξA = 0, or ξF = ξ, so that the combination keeps its value along every solution."""
+    row = proof.exact.row(covector)
+    after = rate_of(proof.exact, row)
+    return after == row if proof.exact.system.discrete else not after
 
 
 def _varying(proof: Proof) -> tuple[str, ...]:
@@ -240,7 +257,7 @@ def contained(analysis: Analysis, covectors: list[Covector]) -> list[bool]:
     UndecidedError : zero cannot be decided for some coefficient
     """
     entries = [e for c in (*covectors, *analysis.unobservable) for e in c.values()]
-    exact = read_system(analysis.system, entries)
+    exact = read_system(static(analysis.system), entries)
     names = frozenset(analysis.system.state_names)
     rows = [exact.row({state: e for state, e in c.items() if state in names}) for c in covectors]
     columns = [exact.row(direction) for direction in analysis.unobservable]

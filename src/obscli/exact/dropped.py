@@ -69,7 +69,7 @@ def drop_unobservable(system: System, columns: Sequence[int], *, in_order: bool 
     found = _dropped(system, columns)
     if found.is_exact or in_order:
         return found
-    moving = {i for i, _ in system.A.entries}
+    moving = {i for i, j in system.A.entries if i != j or not system.discrete}
     other = _dropped(system, sorted(columns, key=lambda j: j not in moving))
     return other if other.is_exact else found
 

@@ -14,6 +14,7 @@ from obscli.core.place import Place
 from obscli.exact.errors import JetOverflowError, UndecidedError, UndefinedError
 from obscli.exact.field import Element, Field
 from obscli.exact.interpreter import Interpreter
+from obscli.model.discrete import varying_entry
 from obscli.model.expression import Expression
 from obscli.model.system import Covector, Matrix, System
 
@@ -75,6 +76,7 @@ def read_system(system: System, extra: Iterable[Expression] = (), jets: int = 4)
     """
     if jets > MOST_JETS:
         raise UndecidedError(f"more than {MOST_JETS} derivatives of a function would be needed")
+    _require_constant_if_discrete(system)
     extra = tuple(extra)
     roots = [*system.A.entries.values(), *system.H.entries.values(), *extra]
     try:
@@ -86,6 +88,16 @@ def read_system(system: System, extra: Iterable[Expression] = (), jets: int = 4)
     A = _rows(system.A, interpreter)
     H = _rows(system.H, interpreter)
     return ExactSystem(system, interpreter, A, H)
+
+
+def _require_constant_if_discrete(system: System) -> None:
+    """Refuse coefficients of a discrete-time system that depend on the step: the derivation here is d/dt."""
+    where = varying_entry(system) if system.discrete else None
+    if where is not None:
+        raise UndecidedError(
+            f"{where} depends on {system.time}: this is for constant F and H of discrete-time models yet "
+            "(obscli analyze takes it, by samples)"
+        )
 
 
 def more_jets(exact: ExactSystem, extra: Iterable[Expression] = ()) -> ExactSystem:
@@ -104,7 +116,7 @@ def _rows(matrix: Matrix, interpreter: Interpreter) -> tuple[Row, ...]:
 
 def _located(system: System, error: Exception) -> Exception:
     """Find the entry that cannot be read and put its place in front of the reason."""
-    for name, matrix in (("A", system.A), ("H", system.H)):
+    for name, matrix in ((system.dynamics_name, system.A), ("H", system.H)):
         for (i, j), expression in matrix.entries.items():
             try:
                 Interpreter(system, [expression])
@@ -116,7 +128,7 @@ def _located(system: System, error: Exception) -> Exception:
 
 
 def _where(system: System, name: str, i: int, j: int, place: Place | None) -> str:
-    row = (system.state_names if name == "A" else tuple(o.name for o in system.outputs))[i]
+    row = (tuple(o.name for o in system.outputs) if name == "H" else system.state_names)[i]
     prefix = f"{place}: " if place else ""
     return f"{prefix}{name}[{row}, {system.state_names[j]}]: "
 

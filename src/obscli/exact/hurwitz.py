@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from obscli.exact.structure_finding import ModeKind
 
 #: More determinants than this are not written as conditions.
-_MOST_CONDITIONS: Final = 4
+MOST_CONDITIONS: Final = 4
 _BITS: Final = (128, 512, 2000)
 _TOLERANCE: Final = arb(2) ** -60
 
@@ -71,7 +71,7 @@ def stability(proof: Proof, factor: Factor) -> Stability:
     if not has_parameters(proof, q):
         return Stability("undecided")
     open_minors = [minor for minor, one in signs if one is None]
-    if len(open_minors) > _MOST_CONDITIONS:
+    if len(open_minors) > MOST_CONDITIONS:
         return Stability("depends", "all Hurwitz determinants of its polynomial are positive")
     conditions = dict.fromkeys(positive(proof, minor) for minor in open_minors)
     return Stability("depends", " and ".join(conditions))
@@ -117,7 +117,7 @@ def _not_decaying(proof: Proof, q: Sequence[Element]) -> Stability:
 def _by_roots(proof: Proof, q: Sequence[Element]) -> ModeKind:
     if has_parameters(proof, q):
         return "depends"
-    return "growing" if any(real > 0 for real, _ in _balls(proof, q)) else "undecided"
+    return "growing" if any(real > 0 for real, _ in balls_of_roots(proof, q)) else "undecided"
 
 
 def hurwitz_determinants(proof: Proof, q: Sequence[Element]) -> list[Element]:
@@ -216,7 +216,7 @@ def roots_there(proof: Proof, factor: Factor) -> tuple[tuple[complex, ...], Mode
 
     No roots where a value is missing; undecided where an enclosure does not tell a real part from zero.
     """
-    found = _balls(proof, factor.coefficients)
+    found = balls_of_roots(proof, factor.coefficients)
     values = tuple(complex(float(real.mid()), float(imag.mid())) for real, imag in found)
     reals = [real for real, _ in found]
     if any(real > 0 for real in reals):
@@ -226,7 +226,7 @@ def roots_there(proof: Proof, factor: Factor) -> tuple[tuple[complex, ...], Mode
     return values, "neutral" if reals and all(real < 0 or real.is_zero() for real in reals) else "undecided"
 
 
-def _balls(proof: Proof, q: Sequence[Element]) -> list[tuple[arb, arb]]:
+def balls_of_roots(proof: Proof, q: Sequence[Element]) -> list[tuple[arb, arb]]:
     """Return enclosures of the roots of a polynomial at the file's values, none where they are not found."""
     with precision(_BITS[1], 1):
         balls = balls_there(proof.exact.interpreter, q)

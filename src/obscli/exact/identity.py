@@ -17,7 +17,7 @@ def fingerprint(system: System) -> str:
     """Return a digest of states, outputs, A, H and relations, so that a certificate names its system."""
     lines = [system.time, *system.state_names, *(output.name for output in system.outputs)]
     lines += [f"{p.name}: {p.assume}" for p in system.parameters]
-    for label, matrix in (("A", system.A), ("H", system.H)):
+    for label, matrix in ((system.dynamics_name, system.A), ("H", system.H)):
         lines += [f"{label}{i},{j}={to_text(e)}" for (i, j), e in sorted(matrix.entries.items())]
     lines += [f"{f.name}'={to_text(f.derivative)}" for f in system.functions if f.derivative is not None]
     lines += [f"0={to_text(invariant.expression)}" for invariant in system.invariants]

@@ -5,6 +5,7 @@ From a reduced echelon form with pivots b_p the kernel has one column per free s
     N_f = m e_f - Σ_p (m b_p[f] / b_p[p]) e_p
 
 H N = 0 and N' - A N = N X imply L_k N = 0 for all k:  L_{k+1} N = (L_k N)' - L_k (N' - A N).
+Of a discrete-time system H N = 0 and F N = N X do:  L_{k+1} N = L_k F N.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Kernel:
-    """Columns of N by free state, and X with N' - A N = N X (columns as sparse rows by free state)."""
+    """Columns of N by free state, and X with N' - A N = N X, or F N = N X (sparse columns by free state)."""
 
     columns: dict[int, PolyRow]
     multiplier: dict[int, dict[int, Element]]

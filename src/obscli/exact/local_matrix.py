@@ -13,6 +13,7 @@ from flint import arb
 
 from obscli.exact.ball import BallPoint, precision
 from obscli.exact.lower import differentiated, highest_derivative, series_rows
+from obscli.exact.sample_window import sample_window
 
 
 if TYPE_CHECKING:
@@ -45,6 +46,8 @@ def local_matrix(
     ------
     OutsideDomainError : some coefficient does not exist at the point
     """
+    if system.discrete:
+        return _of_samples(system, values, bits)
     length = series_length(system)
     with precision(bits, length):
         point = BallPoint(system, values, length, definitions)
@@ -55,6 +58,15 @@ def local_matrix(
                 rows = [differentiated(row, A) for row in rows]
             found.append(tuple(_dense({j: one[0] for j, one in row.items()}, system.n) for row in rows))
         return tuple(found)
+
+
+def _of_samples(system: System, values: Mapping[str, Fraction], bits: int) -> Blocks:
+    """Return the blocks of a discrete-time system: the rows of n samples in the state at the first."""
+    window = sample_window(system)
+    with precision(bits, 1):
+        point = BallPoint(window, values, 1)
+        rows = [_dense({j: e[0] for j, e in row.items()}, system.n) for row in series_rows(point, window.H)]
+        return tuple(tuple(rows[j * system.m : (j + 1) * system.m]) for j in range(system.n))
 
 
 def series_length(system: System) -> int:

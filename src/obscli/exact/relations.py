@@ -44,8 +44,11 @@ def relations_of(proof: Proof) -> Relations:
 
     Raises
     ------
-    UndecidedError : the coefficients grow too large, or the relations do not agree with the rank
+    UndecidedError : the coefficients grow too large, or the relations do not agree with the rank; for a
+        discrete-time system, whose outputs are no functions of time
     """
+    if proof.exact.system.discrete:
+        raise UndecidedError("the outputs of a discrete-time system are sequences")
     while True:
         try:
             return series_relations(proof) if proof.exact.varies else _exact_relations(proof)

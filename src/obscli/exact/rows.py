@@ -16,14 +16,19 @@ if TYPE_CHECKING:
 
 
 def rate_of(exact: ExactSystem, row: Row) -> dict[int, Element]:
-    """Return l' + l A, the rate of change of a linear form l x."""
+    """Return l' + l A, the rate of change of a linear form l x.
+
+    Of a discrete-time system l F, the form that it is a step earlier.
+    """
     moving = {j: derivative for j, e in row.items() if (derivative := exact.field.derive(e))}
     return combined(exact.field, [(exact.field.one, moving), *((e, exact.A[i]) for i, e in row.items())])
 
 
 def drift(exact: ExactSystem, column: Row) -> dict[int, Element]:
-    """Return v' - A v for a direction v."""
+    """Return v' - A v for a direction v; of a discrete-time system F v, where it goes."""
     field = exact.field
+    if exact.system.discrete:
+        return {i: product for i, row in enumerate(exact.A) if (product := dot(field, row, column))}
     result = {i: derivative for i, e in column.items() if (derivative := field.derive(e))}
     for i, row in enumerate(exact.A):
         product = dot(field, row, column)
@@ -34,6 +39,12 @@ def drift(exact: ExactSystem, column: Row) -> dict[int, Element]:
             else:
                 result.pop(i, None)
     return result
+
+
+def is_solution(exact: ExactSystem, column: Row) -> bool:
+    """Whether a direction v(t) is a solution by itself: v' = A v, or F v = v where v is constant."""
+    moved = drift(exact, column)
+    return moved == {i: e for i, e in column.items() if e} if exact.system.discrete else not moved
 
 
 def dot(field: Field, row: Row, column: Row) -> Element:

@@ -58,8 +58,10 @@ def stationary_of(proof: Proof) -> Stationary | NotReducible:
 
     Raises
     ------
-    UndecidedError : the coefficients grow too large
+    UndecidedError : the coefficients grow too large; for a discrete-time system
     """
+    if proof.exact.system.discrete:
+        raise UndecidedError("stationary systems are those of systems in continuous time")
     return _Search(proof).run()
 
 

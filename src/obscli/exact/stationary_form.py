@@ -23,6 +23,8 @@ _SHOWN: Final = 2
 
 def lift_of(system: System) -> Lift | str:
     """Return a stationary system with the outputs of a system, or why there is none."""
+    if system.discrete:
+        return "stationary systems are those of systems in continuous time"
     if _is_stationary(system):
         return itself(system)
     found = find_stationary(system)

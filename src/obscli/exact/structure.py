@@ -1,7 +1,8 @@
 """The structure of a system: the modes of the unobservable subspace, and whether all of them die out.
 
 A system is detectable where every solution that no output shows tends to zero. Time-invariant hidden
-dynamics decide that exactly, by Hurwitz determinants; for others the verdict is left open here, and the
+dynamics decide that exactly, by Hurwitz determinants (those of a discrete-time system by its roots inside the
+unit circle); for others the verdict is left open here, and the
 Gramian's transition matrix looks at a period or a window.
 """
 
@@ -20,6 +21,7 @@ from obscli.exact.hurwitz import Stability, has_parameters, roots_there, stabili
 from obscli.exact.kalman import kalman_dimensions
 from obscli.exact.period import period
 from obscli.exact.prove import Proof, prove, prove_read
+from obscli.exact.schur import roots_inside, schur_stability
 from obscli.exact.spectrum import characteristic_polynomial, factors, modes_of
 from obscli.exact.structure_finding import Mode, OnCondition, Structure
 from obscli.model.acting import inputs_of
@@ -136,7 +138,7 @@ def _judged(proof: Proof, dynamics: HiddenDynamics) -> tuple[tuple[Mode, ...], S
     modes: list[Mode] = []
     found: list[Stability] = []
     for factor in factors(field, characteristic_polynomial(field, dynamics.matrix)):
-        known = stability(proof, factor)
+        known = (schur_stability if proof.exact.system.discrete else stability)(proof, factor)
         found.append(known)
         modes += _modes(proof, dynamics, factor, known)
     return tuple(modes), *_verdict(found)
@@ -153,15 +155,26 @@ def _verdict(found: Sequence[Stability]) -> tuple[StructureVerdict, str]:
 
 def _modes(proof: Proof, dynamics: HiddenDynamics, factor: Factor, known: Stability) -> Iterator[Mode]:
     text = eigenvalue_text(proof, factor)
-    values, there = roots_there(proof, factor)
+    discrete = proof.exact.system.discrete
+    values, there = (roots_inside if discrete else roots_there)(proof, factor)
     there = there if has_parameters(proof, factor.coefficients) else known.kind
     proper, rest = modes_of(proof.exact.field, dynamics.matrix, factor)
     for vector in proper:
-        yield Mode(text, known.kind, _direction(proof, dynamics, vector), values, there, known.condition)
+        yield Mode(
+            text,
+            known.kind,
+            _direction(proof, dynamics, vector),
+            values,
+            there,
+            known.condition,
+            discrete=discrete,
+        )
     for vector in rest:
         direction = _direction(proof, dynamics, vector)
         kinds = (_chained(known.kind), _chained(there))
-        yield Mode(text, kinds[0], direction, values, kinds[1], known.condition, chained=True)
+        yield Mode(
+            text, kinds[0], direction, values, kinds[1], known.condition, chained=True, discrete=discrete
+        )
 
 
 def _chained(kind: ModeKind) -> ModeKind:

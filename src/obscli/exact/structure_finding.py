@@ -27,7 +27,7 @@ class Mode:
     ``kind_there``: the kind at these values.
     ``condition``: where the kind depends on parameters, what makes it decay (empty: nothing does).
     ``chained``: the direction moves into the others of the same eigenvalue, so it grows by a power of time
-    more than they do.
+    more than they do. ``discrete``: z(k+1) = A22 z(k), and a mode moves as s^k.
     """
 
     eigenvalue: str
@@ -37,6 +37,7 @@ class Mode:
     kind_there: ModeKind = "undecided"
     condition: str = ""
     chained: bool = False
+    discrete: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,7 +5,8 @@
     μ_j = max_λ ‖P_λ e_j‖ / λ,   P_λ the orthoprojector on the eigenspace of λ > 0;   ∞ if not observable
 
 (= max_i |u_ij|/λ_i where eigenvalues are simple; where they repeat |u_ij| depends on the choice of a basis.)
-B is never formed in double precision: its condition is the square of that of the rows.
+Of a discrete-time system Φ(t_j, t_0) stands there, and t_j are whole steps. B is never formed in double
+precision: its condition is the square of that of the rows.
 
 References
 ----------
@@ -50,6 +51,8 @@ def least_squares(subject: Subject) -> Found:
     _require_affordable(subject, count)
     end = subject.start + (count - 1) * step
     rows = _rows(subject, step, count) * subject.number(_KEY, "W") * subject.units
+    if subject.system.discrete:
+        end = subject.start  # nothing is moved backwards: the estimate is that of the first state
     there = local(subject.numeric, subject.there, subject.rank, end, subject.units)
     bits = max(there.bits, PRECISIONS[1])
     with precision(bits, 1):
@@ -78,6 +81,8 @@ def _require_affordable(subject: Subject, count: int) -> None:
 def _rows(subject: Subject, step: float, count: int) -> Array:
     """Return H(t_j) Φ(t_j, t_N) of all samples below each other, shape (N m, n)."""
     numeric = subject.numeric
+    if subject.system.discrete:
+        return _stepped_rows(subject, step, count)
     instants = subject.start + step * np.arange(float(count))
     outputs: Array = numeric.matrices(instants)[1]
     if count == 1:
@@ -92,6 +97,20 @@ def _rows(subject: Subject, step: float, count: int) -> Array:
             rows = np.concatenate([rows, outputs[taken]])
             taken += 1
     return rows
+
+
+def _stepped_rows(subject: Subject, step: float, count: int) -> Array:
+    """Return H(k_j) Φ(k_j, k_0) of all samples of a discrete-time system below each other, shape (N m, n)."""
+    if step != round(step):
+        raise NotMeasuredError("a discrete-time model counts steps: least-squares.dt is a whole number")
+    every = subject.start + np.arange((count - 1) * step + 1)
+    F, H = subject.numeric.matrices(every)
+    moved, rows = np.eye(subject.n), []
+    for k in range(len(every)):
+        if k % step == 0:
+            rows.append(H[k] @ moved)
+        moved = F[k] @ moved
+    return np.concatenate(rows)
 
 
 def _require_resolved(C: arb_mat, count: int) -> None:

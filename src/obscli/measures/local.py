@@ -110,6 +110,8 @@ def local(numeric: NumericSystem, there: System, rank: int, at: float, units: Ar
 
 def _definitions(there: System) -> Mapping[str, Expression]:
     """Return the functions that relations give by the others."""
+    if there.discrete:
+        return {}
     try:
         return read_system(there).interpreter.definitions
     except UndecidedError as error:

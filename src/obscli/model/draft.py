@@ -98,6 +98,16 @@ class Draft:
     noise: Node | None = None
     interval: Node | None = None
     linearize: Entries | None = None
+    step: Node | None = None
+
+    @property
+    def is_discrete(self) -> bool:
+        """Whether the dynamics are those of a discrete-time system."""
+        return "F" in self.matrices
+
+    def indexed(self, name: str) -> Draft:
+        """Return the draft with a time symbol where it gives none."""
+        return self if self.time else replace(self, time=name)
 
     @property
     def is_empty(self) -> bool:

@@ -1,4 +1,4 @@
-"""x' = A x + B u + G w from ``dynamics`` or from the matrices."""
+"""x' = A x + B u + G w from ``dynamics`` or from the matrices, or x(k+1) = F x + B u + G w from these."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from obscli.model.trouble import Problems, nearest, shown
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """A (n, n), B (n, p), G (n, q), with the names of inputs and disturbances."""
+    """A, or F, (n, n), B (n, p), G (n, q), with the names of inputs and disturbances."""
 
     A: Matrix
     B: Matrix | None
@@ -52,7 +52,7 @@ def motion(draft: Draft, plain: Scope, linear: Scope, problems: Problems) -> Mot
         rows = _rows(draft, linear, problems)
         A: Matrix | None = assemble(rows, names_of(draft.states))
     else:
-        A = _given(draft, "A", n, plain, problems)
+        A = _given(draft, "F" if draft.is_discrete else "A", n, plain, problems)
     result = []
     for key, group in (("B", draft.inputs), ("G", draft.disturbances)):
         names = names_of(group)
@@ -74,7 +74,7 @@ def _given(draft: Draft, key: str, columns: int | None, scope: Scope, problems: 
         return None
     states = names_of(draft.states)
     if isinstance(matrix, Sparse):
-        group = {"A": draft.states, "B": draft.inputs, "G": draft.disturbances}[key]
+        group = {"A": draft.states, "F": draft.states, "B": draft.inputs, "G": draft.disturbances}[key]
         return sparse(matrix, states, columns_of(group), scope, problems)
     if columns is None:
         value = evaluate(matrix, scope, problems)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from obscli.model.claims import ClaimDraft, about, claims_of
 from obscli.model.constant import constant
 from obscli.model.declaration import Declared
+from obscli.model.discrete import check_noise, step_of
 from obscli.model.draft import Draft, Entries
 from obscli.model.dynamics import motion
 from obscli.model.environment import Environment, environment
@@ -65,6 +66,7 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
     moving = known.scope.with_values(linear_values(draft, inputs=True, nominal=nominal))
     seen = known.scope.with_values(linear_values(draft, inputs=False, nominal=nominal))
     still = known.scope.with_values(linear_values(draft, inputs=False))
+    step = step_of(draft, known, problems)
     dynamics = motion(draft, known.scope, moving, problems)
     measured = observation(draft, known.scope, seen, problems)
     if dynamics is None or measured is None:
@@ -78,6 +80,7 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
     )
     quantities = _quantities(draft, still, problems)
     noise = noise_of(draft.noise, targets, known.scope, problems)
+    check_noise(draft, noise, problems)
     return System(
         stage=setting.stage,
         time=draft.time or "t",
@@ -98,6 +101,8 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
         prior=prior_deviations(noise, states),
         interval=kept_interval(draft.interval, "interval", known.scope, problems),
         scope=still,
+        discrete=draft.is_discrete,
+        step=step,
         fixed=tuple(draft.fix),
     )
 
@@ -128,6 +133,7 @@ def _report_missing(draft: Draft, setting: Setting, problems: Problems) -> None:
         if (
             matrix not in draft.matrices
             and given is None
+            and not (matrix == "A" and draft.is_discrete)
             and not setting.base
             and setting.sound
             and not problems

@@ -12,6 +12,7 @@ from obscli.core.place import ModelError, Place, Problem
 from obscli.model.claims import Origin, about, about_experiment, claims_of, read_claims
 from obscli.model.compose import compose
 from obscli.model.covector import scope_of
+from obscli.model.discrete import with_index
 from obscli.model.draft import Draft
 from obscli.model.expected import Subjects
 from obscli.model.experiment import Known, RunDraft, read_experiment, read_plan
@@ -106,6 +107,7 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     stages = {
         name: freed(stage, options) for name, stage in read_stages(_node(given, "stages"), problems).items()
     }
+    draft = with_index(draft, stages, given, problems)
     _check_format(given, problems)
     check_namespace(draft, problems)
     draft = replace(draft, linearize=read_linearize(_node(given, "linearize"), problems))

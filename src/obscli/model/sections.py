@@ -16,11 +16,11 @@ from obscli.model.trouble import Problems
 ASSUMPTIONS: Final = ("positive", "nonzero", "real")
 STATE_KEYS: Final = ("unit", "description", "latex", "scale")
 SYSTEM_KEYS: Final = (
-    "time", "parameters", "functions", "states", "let", "A", "H", "B", "G", "dynamics", "measurements",
-    "inputs", "disturbances", "outputs", "noise", "interval", "quantities", "linearize",
+    "time", "parameters", "functions", "states", "let", "A", "F", "H", "B", "G", "step", "dynamics",
+    "measurements", "inputs", "disturbances", "outputs", "noise", "interval", "quantities", "linearize",
 )  # fmt: skip
 STAGE_KEYS: Final = (
-    "let", "A", "H", "B", "G", "dynamics", "measurements", "noise", "interval", "outputs", "parameters",
+    "let", "A", "F", "H", "B", "G", "dynamics", "measurements", "noise", "interval", "outputs", "parameters",
     "fix", "description",
 )  # fmt: skip
 
@@ -57,10 +57,11 @@ def read_draft(root: Node, path: str, known: tuple[str, ...], problems: Problems
         quantities=entries(node("quantities"), under("quantities"), problems, named=True),
         dynamics=_optional_entries(node("dynamics"), under("dynamics"), problems),
         measurements=_optional_entries(node("measurements"), under("measurements"), problems, named=True),
-        matrices=_matrices({key: node(key) for key in "AHBG"}, path, problems),
+        matrices=_matrices({key: node(key) for key in "AFHBG"}, path, problems),
         outputs=read_outputs(node("outputs"), under("outputs"), problems),
         noise=node("noise"),
         interval=node("interval"),
+        step=node("step"),
     )
 
 

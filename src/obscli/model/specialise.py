@@ -78,6 +78,7 @@ def exchanged(system: System, exchange: Callable[[Expression], Expression]) -> S
         states=tuple(replace(one, scale=one.scale and exchange(one.scale)) for one in system.states),
         prior=_covector(system.prior, exchange),
         interval=system.interval and _interval(system.interval, exchange),
+        step=system.step and exchange(system.step),
     )
 
 

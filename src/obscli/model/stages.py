@@ -8,6 +8,7 @@ from typing import Final
 
 from obscli.core.place import Place, Problem
 from obscli.model.claims import ClaimDraft
+from obscli.model.discrete import check_discrete
 from obscli.model.draft import Draft, Entries, Entry, merged
 from obscli.model.elaborate import Setting, elaborate
 from obscli.model.experiment import RunDraft
@@ -49,6 +50,7 @@ class Variants:
     def elaborate(self, problems: Problems) -> tuple[System, ...]:
         """Return the systems, the base first unless a stage equals it or it is incomplete."""
         _check_forms(self.base, "", problems)
+        check_discrete(self.base, self.stages, problems)
         for stage_name, stage in self.stages.items():
             self._check_replaced(f"stages.{stage_name}", stage, problems)
         names: list[str | None] = list(self.stages)

@@ -1,7 +1,8 @@
 """What a model file means: frozen, typed, names resolved, every value remembering its place.
 
 Notation: x (n,) states, y (m,) outputs, A (n, n), H (m, n), B (n, p), G (n, q); x' = A x + B u + G w,
-y = H x + v. One ``System`` is one stage of a ``Model`` with all its replacements made.
+y = H x + v; of a discrete-time system x(k+1) = A x(k) + B u(k) + G w(k), and A is called F there. One
+``System`` is one stage of a ``Model`` with all its replacements made.
 """
 
 from __future__ import annotations
@@ -214,6 +215,8 @@ class System:
     ``scope`` holds what the names of the file stand for in this stage, for expressions given later
     (claims, the command line); None for a system not made from a file. ``fixed``: the names
     that its stage fixes. ``dual``: the matrix of the system of which this one is the dual.
+    ``discrete``: x(k+1) = A x(k) with ``time`` the whole number k; ``step``: the seconds from k to k + 1,
+    None where the file does not say. Whoever reads A asks which it is, or ``require_continuous`` does.
     """
 
     stage: str | None
@@ -237,6 +240,13 @@ class System:
     scope: Scope | None = None
     fixed: tuple[str, ...] = ()
     dual: Literal["B", "G"] | None = None
+    discrete: bool = False
+    step: Expression | None = None
+
+    @property
+    def dynamics_name(self) -> Literal["A", "F"]:
+        """The name of the matrix of the dynamics in the file."""
+        return "F" if self.discrete else "A"
 
     @property
     def n(self) -> int:

@@ -40,7 +40,11 @@ def _expressions(system: System) -> Iterator[Expression]:
             yield from matrix.entries.values()
     for quantity in system.quantities:
         yield from quantity.coefficients.values()
-    single = [noise.step if noise else None, *((interval.start, interval.stop) if interval else ())]
+    single = [
+        system.step,
+        noise.step if noise else None,
+        *((interval.start, interval.stop) if interval else ()),
+    ]
     for output in system.outputs:
         single += [output.every, *(end for span in output.during or () for end in span)]
     yield from (one for one in (*single, *(state.scale for state in system.states)) if one is not None)

@@ -84,7 +84,7 @@ def _heading(heading: Heading) -> Iterator[str]:
 
 def _names(system: System) -> Iterator[str]:
     """Yield the time, the parameters and the functions."""
-    if system.time != "t":
+    if system.time != ("k" if system.discrete else "t"):
         yield f"time: {scalar(system.time)}"
     if system.parameters:
         yield "parameters:"
@@ -162,7 +162,9 @@ def _numbered(system: System, key: str, names: Sequence[str]) -> bool:
 
 def _matrices(system: System) -> Iterator[str]:
     states, outputs = system.state_names, tuple(output.name for output in system.outputs)
-    yield from _sparse("A", system.A, states, states, everything=False)
+    yield from _sparse(system.dynamics_name, system.A, states, states, everything=False)
+    if system.step is not None:
+        yield f"step: {formula(system.step)}"
     yield from _sparse("H", system.H, outputs, states, everything=True)
     for key, matrix, names in _driven(system):
         if matrix is None:

@@ -10,6 +10,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from obscli.model.system import System
+from obscli.numeric.discrete_analysis import discrete_subspaces
 from obscli.numeric.errors import NotComputableError, TooManyStepsError, UnfitRequestError
 from obscli.numeric.gramian import Gramian, Method
 from obscli.numeric.horizon import Horizon, horizon_of
@@ -83,8 +84,10 @@ class Numeric:
     @property
     def window(self) -> float | None:
         """The shortest window where some are shorter than the whole interval, else None."""
-        lengths = self.horizon.instants - self.spaces.gramian.starts
-        shorter = lengths[self.spaces.gramian.starts > self.horizon.start]
+        ends = self.spaces.gramian.starts
+        lengths = np.abs(self.horizon.instants - ends)
+        discrete = self.horizon.end is not None
+        shorter = lengths[ends < self.horizon.stop if discrete else ends > self.horizon.start]
         return float(shorter.min()) if shorter.size else None
 
 
@@ -99,6 +102,10 @@ def analyze(system: System, settings: Settings, progress: Progress = lambda _: N
     horizon = horizon_of(system, settings.wanted)
     scaling = chosen_scaling(system, settings.scaling)
     numeric = NumericSystem(system, horizon.start, horizon.stop)
+    if system.discrete:
+        progress(f"Gramian at {len(horizon.instants)} steps")
+        spaces, rates = discrete_subspaces(numeric, system, horizon, settings, scaling)
+        return Numeric(numeric, settings, scaling, horizon, rates, spaces)
     rates = rates_of(numeric, np.linspace(horizon.start, horizon.stop, _PROBES)[1:-1])
     progress(f"Gramian at {len(horizon.instants)} instants")
 

@@ -26,7 +26,7 @@ from obscli.numeric.collocation import gauss_legendre
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import EPS, Array
-from obscli.numeric.transition import NODES, not_resolved, times
+from obscli.numeric.transition import NODES, not_resolved, require_derivative, times
 
 
 _SWEEPS: Final = 60
@@ -72,6 +72,7 @@ def dense_transitions(system: NumericSystem, edges: Array) -> Iterator[DenseTran
     NotComputableError
         where a panel is too long, or a coefficient does not exist
     """
+    require_derivative(system)
     size = NODES * system.n * max(2 * len(system.moving), system.m, 1)
     at_once = max(_CHUNK // size, 1)
     for first in range(0, len(edges) - 1, at_once):

@@ -24,6 +24,7 @@ class NumericPoint:
     Parameters
     ----------
     t, start : the instant, and where its window starts
+    stop : where its window stops, for a discrete-time system, where it begins at the instant
     rank, decided : the number of singular values above the tolerance, and whether none is in the grey zone
     gap : σ_r / max(σ_{r+1}, noise), None where the rank is 0
     tolerance : below which a singular value is noise, in the same units
@@ -39,6 +40,7 @@ class NumericPoint:
     tolerance: float
     singular_values: tuple[float, ...]
     basis: tuple[tuple[float, ...], ...] | None = None
+    stop: float | None = None
 
     @property
     def weakest(self) -> float | None:

@@ -35,7 +35,7 @@ class Gramian:
     ----------
     method : how it was found
     instants : t_i, shape (N,)
-    starts : t0 of the window of each, shape (N,)
+    starts : t0 of the window of each, or its last sample where it looks forward, shape (N,)
     matrices : M_i, shape (N, n, n)
     units : the diagonals of D_i, shape (N, n); powers of two where nothing else is asked
     error : E_i with |ΔM_i v|² ≲ vᵀ E_i v, shape (N, n, n): rounding and step error

@@ -36,16 +36,20 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Horizon:
-    """t_0, the instants t_i > t_0 in order, and whether the interval is given or a default."""
+    """t_0, the instants t_i > t_0 in order, and whether the interval is given or a default.
+
+    ``end``: of a discrete-time system the last sample, which instants look forward to.
+    """
 
     start: float
     instants: Array
     origin: Literal["given", "default"]
+    end: float | None = None
 
     @property
     def stop(self) -> float:
-        """The last instant."""
-        return float(self.instants[-1])
+        """The end of the interval: the last instant, or the last sample."""
+        return float(self.instants[-1]) if self.end is None else self.end
 
 
 def horizon_of(system: System, wanted: Wanted) -> Horizon:
@@ -57,11 +61,15 @@ def horizon_of(system: System, wanted: Wanted) -> Horizon:
         where an end is no number, or the instants do not follow the start (``UnfitRequestError`` where the
         user asked for them)
     """
+    if system.discrete:
+        from obscli.numeric.discrete_horizon import discrete_horizon  # noqa: PLC0415 - built on this file
+
+        return discrete_horizon(system, wanted)
     given = system.interval
     start_given = wanted.start or (given.start if given else None)
-    start = 0.0 if start_given is None else _number(system, start_given, "the start")
+    start = 0.0 if start_given is None else number_of(system, start_given, "the start")
     if wanted.times:
-        instants = np.unique([_number(system, one, "an instant") for one in wanted.times])
+        instants = np.unique([number_of(system, one, "an instant") for one in wanted.times])
         if instants[0] <= start:
             raise UnfitRequestError(
                 f"the instant {instants[0]:.6g} is not after the start {start:.6g} of the interval "
@@ -70,7 +78,7 @@ def horizon_of(system: System, wanted: Wanted) -> Horizon:
         return Horizon(start, instants, "given")
     stop_given = wanted.stop or (given.stop if given else None)
     origin: Literal["given", "default"] = "given" if stop_given is not None else "default"
-    stop = _default_stop(system, start) if stop_given is None else _number(system, stop_given, "the stop")
+    stop = _default_stop(system, start) if stop_given is None else number_of(system, stop_given, "the stop")
     if stop <= start:
         asked = wanted.start is not None or wanted.stop is not None
         unfit = UnfitRequestError if asked else NotComputableError
@@ -84,7 +92,14 @@ def default_samples(n: int) -> int:
     return max(FEWEST_SAMPLES, round(SAMPLES * min(1.0, (EASY_STATES / n) ** 2)))
 
 
-def _number(system: System, expression: Expression, what: str) -> float:
+def number_of(system: System, expression: Expression, what: str) -> float:
+    """Return a number at the file's values; ``what`` it is, in words.
+
+    Raises
+    ------
+    NotComputableError
+        where it is none
+    """
     try:
         value = constant_value(expression, constants_of(system))
     except (KeyError, TypeError):

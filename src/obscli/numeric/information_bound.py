@@ -60,13 +60,19 @@ def information_roots(system: System, schedule: Schedule, instants: Array) -> li
                 found[part.start + k] = _moved(root, stretch.transition[k], timeline.t[part.start + k])
         if last < part.stop:
             break
-        root = _moved(root, stretch.transition[-1], timeline.t[part.stop - 1])
+        root = _moved(root, stretch.onward, timeline.t[part.stop - 1])
     return [found[k] for k in places.tolist()]
 
 
 def _moved(root: Array, transition: Array, t: float) -> Array:
     """Return the information on x(t) = Φ(t, a) x(a), given that on x(a)."""
-    moved = triangle(np.asarray(np.linalg.solve(transition.T, root.T).T, dtype=float))
+    try:
+        moved = triangle(np.asarray(np.linalg.solve(transition.T, root.T).T, dtype=float))
+    except np.linalg.LinAlgError:
+        raise NotComputableError(
+            f"F is singular at {t:.6g}: the samples then tell some combination of the next state "
+            "exactly, and there is no information matrix without a prior"
+        ) from None
     if not np.isfinite(moved).all():
         raise NotComputableError(
             f"the information overflows at {t:.6g}: a state decays too far; give a shorter interval (--to)"

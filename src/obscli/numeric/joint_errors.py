@@ -103,6 +103,7 @@ class Pair:
         self.truth = truth
         self.design = design
         self.common = _among(design.numeric.system.state_names, truth.numeric.system.state_names)
+        self._check_time()
         names = [[one.name for one in system.numeric.system.outputs] for system in (design, truth)]
         self._outputs = _among(*names)
         unknown = [name for name in names[0] if name not in names[1]]
@@ -120,6 +121,15 @@ class Pair:
         """A square root of the covariance of (z, ε) before the first sample, where x̂ = 0."""
         root = self.truth.prior
         return np.concatenate([root, self.common @ root])
+
+    def _check_time(self) -> None:
+        """Refuse a filter in discrete time on a truth in continuous time, and the other way round."""
+        kinds = [one.numeric.system.discrete for one in (self.design, self.truth)]
+        if kinds[0] != kinds[1]:
+            words = ["discrete" if one else "continuous" for one in kinds]
+            raise NotComputableError(
+                f"the filter is in {words[0]} time, the true model in {words[1]} time: give both the same"
+            )
 
     def _check_samples(self) -> None:
         """Refuse a filter that wants samples that the truth does not have."""
@@ -175,7 +185,7 @@ class Pair:
                     refuse_infinite(timeline.t[own.first + k], root, errors.columns)
                     to_errors = self._to_errors(true, own, k)
                     yield Known(own.first + k, root, own.transition[k], to_errors, innovation)
-            root = own.transition[-1] @ root
+            root = own.onward @ root
             errors.move(self._onward(true, own))
 
     def _outputs_of(self, true: Stretch, own: Stretch, sample: Counts) -> _Outputs:
@@ -186,15 +196,18 @@ class Pair:
 
     def _to_errors(self, true: Stretch, own: Stretch, k: int) -> Array:
         """Return what takes (z, ε) to e at an instant of a panel."""
-        own_part = own.transition[k]
-        others = self.common @ true.transition[k] - own_part @ self.common
+        return self._errors_by(true.transition[k], own.transition[k])
+
+    def _errors_by(self, true_part: Array, own_part: Array) -> Array:
+        """Return what takes (z, ε) to e where Φ moves the truth and Φ_f the estimate."""
+        others = self.common @ true_part - own_part @ self.common
         return np.concatenate([others, own_part], axis=1)
 
     def _onward(self, true: Stretch, own: Stretch) -> Array:
         """Return what takes (z, ε) from a panel to the next."""
         n_x, n_f = true.transition.shape[1], own.transition.shape[1]
-        upper = np.concatenate([true.transition[-1], np.zeros((n_x, n_f))], axis=1)
-        return np.concatenate([upper, self._to_errors(true, own, -1)])
+        upper = np.concatenate([true.onward, np.zeros((n_x, n_f))], axis=1)
+        return np.concatenate([upper, self._errors_by(true.onward, own.onward)])
 
 
 def matched(schedule: Schedule, t: Array) -> tuple[Counts, Flags]:

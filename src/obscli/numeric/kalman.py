@@ -112,7 +112,7 @@ def _followed(
         for k, root in walk:  # the last one is that at the panel's end
             if marks[stretch.first + k]:
                 yield _known(timeline, stretch, k, root, opened)
-        end = stretch.transition[-1]
+        end = stretch.onward
         root = end @ root
         opened = end @ opened if stretch.noise is None else compressed([end @ opened, *(end @ stretch.noise)])
 

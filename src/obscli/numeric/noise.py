@@ -20,7 +20,7 @@ from typing import Final
 import numpy as np
 
 from obscli.model.expression import Expression, is_zero, symbols
-from obscli.model.system import Matrix, Noise, System
+from obscli.model.system import Matrix, Noise, Output, System
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.numeric_system import NumericSystem, constants_of
 from obscli.numeric.program import Array, Counts, Program, constant_value
@@ -114,6 +114,11 @@ def continuous_noise(numeric: NumericSystem, still: Sequence[str] = ()) -> Noise
     if names:
         hint = "obscli simulate takes samples as they come; else delete the key"
         raise NotComputableError(f"outages of {names} (`during`) are not taken into account here: {hint}")
+    if numeric.system.discrete and any(step != 1 for step in steps_of(numeric.system)):
+        raise NotComputableError(
+            "an output that is not sampled at every step (`every`) is not taken into account here: obscli "
+            "simulate takes samples as they come"
+        )
     return noise_model(numeric, still)
 
 
@@ -128,10 +133,25 @@ def steps_of(system: System) -> tuple[float | None, ...]:
     constants = constants_of(system)
     step = system.noise.step if system.noise else None
     general = None if step is None else _positive(step, "noise: step", constants)
+    if system.discrete:
+        return tuple(_whole_step(one, constants) for one in system.outputs)
     return tuple(
         general if one.every is None else _positive(one.every, f"outputs: {one.name}: every", constants)
         for one in system.outputs
     )
+
+
+def _whole_step(output: Output, constants: dict[str, float]) -> float:
+    """Return how many steps of a discrete-time system there are from one sample of an output to the next."""
+    if output.every is None:
+        return 1.0
+    name = f"outputs: {output.name}: every"
+    value = _positive(output.every, name, constants)
+    if value != round(value):
+        raise NotComputableError(
+            f"`{name}` is {value:.6g}: a discrete-time model is sampled every so many whole steps"
+        )
+    return value
 
 
 def _density(system: System, R: Array) -> Array:
@@ -143,7 +163,7 @@ def _density(system: System, R: Array) -> Array:
                 f"`noise: R` correlates {system.outputs[i].name} and {system.outputs[j].name}, which are not "
                 "sampled alike: give both the same `every`, or no correlation"
             )
-    D = np.array([1.0 if one is None else one for one in steps])
+    D = np.array([1.0 if one is None or system.discrete else one for one in steps])
     return R * np.sqrt(np.outer(D, D))
 
 

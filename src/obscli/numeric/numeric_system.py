@@ -1,7 +1,8 @@
 """A system as functions from instants to arrays: A(t), H(t) in batches, at the file's values.
 
 x' = A x,  y = H x.  Only the rows of A that are not zero are kept: most states of a calibration are constant,
-and what follows multiplies (p, n) instead of (n, n) matrices, p the number of states that move.
+and what follows multiplies (p, n) instead of (n, n) matrices, p the number of states that move. Of a
+discrete-time system A is F, of which every row counts.
 """
 
 from __future__ import annotations
@@ -51,7 +52,8 @@ class NumericSystem:
         self.system = system
         self.constants = constants_of(system)
         self.motion = Motion(system, self.constants, start, stop) if system.functions else None
-        self.moving = np.array(sorted({i for i, _ in system.A.entries}), dtype=int)
+        moving = range(system.n) if system.discrete else sorted({i for i, _ in system.A.entries})
+        self.moving = np.array(moving, dtype=int)
         self._program = Program([*system.A.entries.values(), *system.H.entries.values()])
         self._orders = derivative_orders([*system.A.entries.values(), *system.H.entries.values()])
         row = {i: k for k, i in enumerate(self.moving)}
@@ -151,7 +153,10 @@ class NumericSystem:
         return np.setdiff1d(np.arange(self.n), self.moving)
 
     def _where_not_finite(self, t: Array, found: Sequence[Value]) -> str:
-        places = [*self._matrix_places("A", self.system.A), *self._matrix_places("H", self.system.H)]
+        places = [
+            *self._matrix_places(self.system.dynamics_name, self.system.A),
+            *self._matrix_places("H", self.system.H),
+        ]
         for place, value in zip(places, found, strict=True):
             bad = ~np.isfinite(np.broadcast_to(value, t.shape))
             if bad.any():
@@ -164,7 +169,7 @@ class NumericSystem:
 
     def _matrix_places(self, name: str, matrix: Matrix) -> Iterable[str]:
         system = self.system
-        rows = system.state_names if name == "A" else tuple(one.name for one in system.outputs)
+        rows = tuple(one.name for one in system.outputs) if name == "H" else system.state_names
         return (f"{name}[{rows[i]}, {system.state_names[j]}]" for i, j in matrix.entries)
 
 

@@ -25,6 +25,7 @@ import numpy as np
 
 from obscli.model.system import System
 from obscli.numeric.collocation import gauss_legendre
+from obscli.numeric.discrete_steps import single_steps
 from obscli.numeric.driving_noise import driving_rate
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.finding import CrossCheck
@@ -106,6 +107,8 @@ def prior_of(system: System, noise: NoiseModel) -> tuple[Array, tuple[str, ...]]
 def covariances(noise: NoiseModel, start: float, instants: Array, step: float, root: Array) -> list[Array]:
     """Return P at the start, after its sample, and after each of the samples."""
     system = noise.system
+    if system.system.discrete:
+        return _step_by_step(noise, start, instants, root)
     outputs = system.matrices(np.concatenate([[start], instants]))[1]
     whitened = noise.whitening @ outputs * np.sqrt(step)
     rates = rates_of(system, np.linspace(start, instants[-1], _PROBES)[1:-1])
@@ -123,6 +126,19 @@ def covariances(noise: NoiseModel, start: float, instants: Array, step: float, r
             root = _updated(root, whitened[len(found)])
             found.append(root)
     return _squared(found, np.concatenate([[start], instants]))
+
+
+def _step_by_step(noise: NoiseModel, start: float, instants: Array, root: Array) -> list[Array]:
+    """Return P of a discrete-time system after the sample of each step, from the start on."""
+    k = np.concatenate([[start], instants])
+    found: list[Array] = []
+    for _, F, H, entered in single_steps(noise.system, noise, k):
+        if entered is not None:
+            root = _lower(np.concatenate([root, entered], axis=1))
+        root = _updated(root, noise.whitening @ H)
+        found.append(root)
+        root = F @ root
+    return _squared(found, k)
 
 
 def _entering(noise: NoiseModel, edges: Array) -> dict[float, Array]:

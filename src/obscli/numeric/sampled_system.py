@@ -18,6 +18,7 @@ import numpy as np
 from obscli.core.number import bar
 from obscli.model.system import System
 from obscli.numeric.dense_transition import dense_transitions
+from obscli.numeric.discrete_steps import require_whole, single_steps, steps_between
 from obscli.numeric.driving_noise import driving_rate, noise_roots
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.noise import noise_model
@@ -118,12 +119,19 @@ class Stretch:
     transition : Φ(t, a) at its k instants, the last of them its end, shape (k, n, n)
     rows : H(t) Φ(t, a), shape (k, m, n)
     noise : square roots of the driving noise since the instant before, shape (k, n, r); None: nothing drives
+    step : F, which takes the coordinates of this panel to those of the next, shape (n, n); None: Φ at its end
     """
 
     first: int
     transition: Array
     rows: Array
     noise: Array | None
+    step: Array | None = None
+
+    @property
+    def onward(self) -> Array:
+        """What takes the coordinates of the panel to those of the next, shape (n, n)."""
+        return self.transition[-1] if self.step is None else self.step
 
 
 class SampledSystem:
@@ -171,6 +179,9 @@ class SampledSystem:
 
     def stretches(self, timeline: Timeline) -> Iterator[Stretch]:
         """Yield the panels in order; the first one has the start among its instants."""
+        if self.numeric.system.discrete:
+            yield from self._steps(timeline)
+            return
         ends = np.searchsorted(timeline.t, timeline.edges, side="right")
         first = 0
         for dense, last in zip(dense_transitions(self.numeric, timeline.edges), ends[1:], strict=True):
@@ -183,6 +194,12 @@ class SampledSystem:
             yield Stretch(first, transition, rows, noise_roots(self.noise, dense, before))
             first = last
 
+    def _steps(self, timeline: Timeline) -> Iterator[Stretch]:
+        """Yield the steps of a discrete-time system, each as a panel of its own."""
+        here = np.eye(self.numeric.n)[None]
+        for k, F, H, entered in single_steps(self.numeric, self.noise, timeline.t):
+            yield Stretch(k, here, H[None], None if entered is None else entered[None], F)
+
     def whitening(self, sample: Counts) -> Array:
         """Return W with W R Wᵀ = I on the outputs sampled, zero elsewhere, shape (k, m, m); −1: no sample."""
         sampled = self.schedule.sampled[sample] & (sample >= 0)[:, None]
@@ -193,6 +210,8 @@ class SampledSystem:
 def timeline_of(systems: Sequence[SampledSystem], schedule: Schedule) -> Timeline:
     """Return panels on which all systems are resolved, and the instants of the schedule on them."""
     start, stop = schedule.start, schedule.stop
+    if systems[0].numeric.system.discrete:
+        return _step_by_step(schedule)
     fewest = max(_FEWEST, len(schedule.t) // _AT_ONCE)
     longest = min(*(one.longest() for one in systems), (stop - start) / fewest)
     edges = _moved_to(schedule.t, edges_of(start, np.array([stop]), longest, _MOST_PANELS))
@@ -203,6 +222,15 @@ def timeline_of(systems: Sequence[SampledSystem], schedule: Schedule) -> Timelin
     sample = np.full(len(t), -1)
     sample[np.searchsorted(t, schedule.t)] = np.arange(len(schedule.t))
     return Timeline(edges, t, sample)
+
+
+def _step_by_step(schedule: Schedule) -> Timeline:
+    """Return every step as an instant, and as an edge."""
+    t = steps_between(schedule.start, schedule.stop)
+    require_whole(schedule.t)
+    sample = np.full(len(t), -1)
+    sample[np.round(schedule.t - schedule.start).astype(int)] = np.arange(len(schedule.t))
+    return Timeline(t, t, sample)
 
 
 def _moved_to(samples: Array, edges: Array) -> Array:

@@ -16,7 +16,7 @@ import numpy as np
 
 from obscli.model.expression import symbols
 from obscli.model.system import Output, System
-from obscli.numeric.errors import NotComputableError
+from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.noise import NoiseModel, noise_model, steps_of
 from obscli.numeric.numeric_system import NumericSystem, constants_of, missing_values
 from obscli.numeric.program import Array, Flags, constant_value
@@ -77,6 +77,11 @@ def schedule_of(system: System, start: float, stop: float, step: float | None = 
     if step is not None and not (step > 0 and np.isfinite(step)):
         raise NotComputableError(f"the step between samples must be positive, not {step:g} (--step)")
     density = _density(noise_model(NumericSystem(system, start, stop)))
+    if system.discrete and step is not None:
+        raise UnfitRequestError(
+            "--step is the time between samples of a continuous-time model; outputs of a discrete-time one "
+            "are sampled at every step, or `every` so many"
+        )
     given = steps_of(system)
     assumed = (stop - start) / _SAMPLES if step is None and None in given else None
     steps = np.array([_step(*one, step, assumed) for one in zip(system.outputs, given, strict=True)])
@@ -90,6 +95,8 @@ def schedule_of(system: System, start: float, stop: float, step: float | None = 
         raise NotComputableError(_too_many(len(t)))
     # R per sample where the file says how often there is one: another step leaves it as it is
     meant = np.array([step if own is None else own for step, own in zip(steps, given, strict=True)])
+    if system.discrete:
+        meant = np.ones(len(steps))  # R is that of a sample, however many steps there are between two
     return Schedule(start, stop, t, sampled, density / np.sqrt(np.outer(meant, meant)), assumed)
 
 

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 
@@ -70,7 +70,19 @@ def square_root_gramian(
     return carried(panels(system, edges, effort), system, start, instants)
 
 
-def carried(pieces: Iterable[Panels], system: NumericSystem, start: float, instants: Array) -> Gramian:
+class Carried(Protocol):
+    """A system of which rows are carried: the number of states, and those whose rows of Φ are given."""
+
+    @property
+    def n(self) -> int:
+        """The number of states."""
+
+    @property
+    def moving(self) -> Array:
+        """The states that move."""
+
+
+def carried(pieces: Iterable[Panels], system: Carried, start: float, instants: Array) -> Gramian:
     """Return R(t_i) from panels of which one ends at every instant; lost where columns grow too far.
 
     Parameters
@@ -98,7 +110,7 @@ def carried(pieces: Iterable[Panels], system: NumericSystem, start: float, insta
 class _Chain:
     """Rows S with W = Sᵀ S and the error matrix E at the end of the last panel, states in units 2^e."""
 
-    def __init__(self, system: NumericSystem) -> None:
+    def __init__(self, system: Carried) -> None:
         n = system.n
         self._moving = system.moving
         self._identity = np.eye(n)

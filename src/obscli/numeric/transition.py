@@ -112,14 +112,30 @@ def panels(system: NumericSystem, edges: Array, effort: Effort) -> Iterator[Pane
     Raises
     ------
     NotComputableError
-        where a panel cannot be resolved however short it is, or a coefficient does not exist
+        where a panel cannot be resolved however short it is, or a coefficient does not exist; for a
+        discrete-time system
     """
+    require_derivative(system)
     size = NODES * system.n * (len(system.moving) + system.m)
     at_once = max(_CHUNK // max(size, 1), 1)
     solver = _Solver(system, effort)
     for first in range(0, len(edges) - 1, at_once):
         part = edges[first : first + at_once + 1]
         yield solver.resolved(part[:-1], part[1:])
+
+
+def require_derivative(system: NumericSystem) -> None:
+    """Refuse to integrate a discrete-time system, whoever asks: its A is F, and gives no derivative.
+
+    Raises
+    ------
+    NotComputableError
+        where the system is one
+    """
+    if system.system.discrete:
+        raise NotComputableError(
+            "this is computed for continuous time; a discrete-time model is not taken yet"
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -49,7 +49,7 @@ def shortened(spaces: Subspaces, rates: Rates, at: Windowed) -> Mapping[int, Sub
     rates : of the system
     at : finds the subspaces on another window
     """
-    t, length = spaces.instants, spaces.instants - spaces.gramian.starts
+    t, length = spaces.instants, np.abs(spaces.instants - spaces.gramian.starts)
     drowned = ~spaces.decided & (spaces.noise[:, 0] > _AMPLIFIED)
     risky = np.maximum(spaces.gramian.growth, rates.backward * length) > _RISKY
     suspects = np.flatnonzero(drowned | risky)

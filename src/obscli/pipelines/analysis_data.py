@@ -61,6 +61,7 @@ def _stage_data(result: StageResult) -> dict[str, object]:
     return {
         "model": model_data(result),
         "dual": system.dual,
+        "discrete": system.discrete,
         "frozen": result.frozen and result.frozen.data(),
         "n": system.n,
         "m": system.m,

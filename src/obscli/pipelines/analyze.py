@@ -15,6 +15,7 @@ from obscli.exact.finding import Analysis, Undecided
 from obscli.exact.lift_finding import Stationary
 from obscli.exact.stationary import find_stationary
 from obscli.model.covector import parse_covectors_file
+from obscli.model.discrete import require_continuous
 from obscli.model.dual import is_constant
 from obscli.model.specialise import at_nominal
 from obscli.model.system import Model, System
@@ -82,6 +83,8 @@ def analyze(
         _require_fit_for_dual(request)
         model = dual_model(model, request.stages)
         unfixed = unfixed and dual_model(unfixed, request.stages)
+    for system in chosen_systems(model, request.stages):
+        _require_fit_for_steps(system, request)
     true = {one.stage: one for one in model.systems}
     if request.frozen_at is not None:
         model = frozen_model(model, request.stages, request.frozen_at)
@@ -110,6 +113,16 @@ def analyze(
 def _require_fit_for_dual(request: AnalyzeRequest) -> None:
     if request.cross_check:
         raise RequestError("--cross-check follows the errors of an estimator; it has no meaning with --dual")
+
+
+def _require_fit_for_steps(system: System, request: AnalyzeRequest) -> None:
+    """Refuse what is of continuous time where the system is a discrete-time one."""
+    if request.certify:
+        require_continuous(system, "--certify", "the rank of [H; H F; …] is proved without it")
+    if request.frozen_at is not None:
+        require_continuous(system, "--frozen-at", "constant F and H are as they are at every step")
+    if request.dual and not is_constant(system):
+        require_continuous(system, "--dual with F, H or B that depend on the step")
 
 
 def _with_detectability(result: StageResult, request: AnalyzeRequest, progress: Progress) -> StageResult:
@@ -192,7 +205,7 @@ def _analyze_system(system: System, request: AnalyzeRequest, progress: Progress)
         basis=basis,
         pivot_order=expanded_states(system, request.pivot_order),
         critical=request.critical,
-        relations=request.relations,
+        relations=request.relations and not system.discrete,  # outputs as sums of functions of time
     )
     if system.dual is None:
         return engine.analyze(system, options, progress)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from obscli.core.document import Document
 from obscli.core.figure import Figure
 from obscli.experiment.exact_side import exactly
+from obscli.model.discrete import require_continuous
 from obscli.model.runs import shared_states
 from obscli.model.system import Experiment, Model, Run
 from obscli.model.trouble import Problems
@@ -69,6 +70,8 @@ def calibrate(
     RequestError
         where there are no runs, or none of the name asked for
     """
+    for system in model.systems:
+        require_continuous(system, "obscli calibrate")
     experiment, is_default = experiment_of(model)
     runs = chosen_runs(model, experiment.runs, request.runs)
     found = exactly(runs, experiment.shared, model.systems[0], progress, critical=request.critical)

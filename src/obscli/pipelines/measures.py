@@ -153,6 +153,10 @@ class _Stage:
         """Return the instants asked for, else the end of the interval."""
         found = sorted({self._instant(text) for text in self._request.at})
         for t in found:
+            if self._system.discrete and t != round(t):
+                raise UnfitRequestError(
+                    f"the instant {t:.6g} is no whole step of a discrete-time model (--at)"
+                )
             if t < horizon.start:
                 raise UnfitRequestError(
                     f"the instant {t:.6g} is before the start {horizon.start:.6g} (--from)"

@@ -50,6 +50,8 @@ def _point(point: NumericPoint) -> dict[str, object]:
         "tolerance": json_number(point.tolerance),
         "singular_values": [json_number(value) for value in point.singular_values],
     }
+    if point.stop is not None:
+        data["stop"] = point.stop
     if point.basis is not None:
         data["basis"] = [list(row) for row in point.basis]
     return data

@@ -13,6 +13,7 @@ from obscli.experiment.ranking import RankedSet
 from obscli.experiment.special import at_file
 from obscli.experiment.stacked import proved
 from obscli.experiment.witnessed import witnessed
+from obscli.model.discrete import require_continuous
 from obscli.model.system import Experiment, Model
 from obscli.numeric.errors import NotComputableError
 from obscli.pipelines.calibrate import chosen_runs, experiment_of
@@ -42,6 +43,8 @@ def plan(
     RequestError
         where there is nothing to choose from
     """
+    for system in model.systems:
+        require_continuous(system, "obscli plan")
     experiment, is_default = _to_choose_from(model)
     wanted = experiment.plan
     candidates = experiment.runs if wanted is None or wanted.candidates is None else wanted.candidates

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from obscli.core.document import Document
 from obscli.core.figure import Figure
+from obscli.model.discrete import require_continuous
 from obscli.model.system import Model, System
 from obscli.pipelines.describe.transform import transform_document
 from obscli.pipelines.reading import chosen_systems
@@ -77,6 +78,8 @@ def transform(
         raise RequestError(_one_of(systems))
     results = []
     for system in systems:
+        if request.to == "stationary":
+            require_continuous(system, "--to stationary")
         progress(f"{system.stage or model.name}: {request.to}")
         results.append(Transformation(model, system, request, changes).result())
     return TransformReport(tuple(results), changes)

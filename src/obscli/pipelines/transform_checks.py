@@ -37,11 +37,12 @@ def identity_checks(
         found = reproduction(system, forms, made)
     except (UndecidedError, UndefinedError) as error:
         return (CheckResult("the model is the same system in new variables", "undecided", str(error)),)
-    return tuple(_identities(found if driven else replace(found, inputs=None, noise=None)))
+    found = found if driven else replace(found, inputs=None, noise=None)
+    return tuple(_identities(found, "S F = F_z S" if system.discrete else "S' + S A = A_z S"))
 
 
-def _identities(found: Reproduction) -> Iterator[CheckResult]:
-    yield _check("every solution is carried over: S' + S A = A_z S", holds=found.dynamics)
+def _identities(found: Reproduction, dynamics: str) -> Iterator[CheckResult]:
+    yield _check(f"every solution is carried over: {dynamics}", holds=found.dynamics)
     yield _check("every output is the same: H = H_z S", holds=found.outputs)
     if found.inputs is not None:
         yield _check("the inputs act the same: S B = B_z", holds=found.inputs)
@@ -78,7 +79,7 @@ def zeros_check(found: Kalman, made: System) -> CheckResult:
     B = None if found.by is None else _rows(inputs or Matrix(made.n, 0, {}))
     wrong = filled_zeros(found.sizes, _rows(made.A), _rows(made.H), B)
     claim = f"the structural zeros: {_TWO if found.by is None else _FOUR}".replace("B3", f"{found.by}3")
-    claim = claim.replace("B4", f"{found.by}4")
+    claim = claim.replace("B4", f"{found.by}4").replace("A", made.dynamics_name)
     return _check(claim, holds=not wrong, grounds=f"{', '.join(wrong)} not zero" if wrong else "")
 
 

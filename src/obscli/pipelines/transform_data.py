@@ -59,6 +59,7 @@ def _finding(result: TransformResult) -> dict[str, object]:
 _EMPTY: dict[str, object] = {
     "n": 0,
     "variables": [],
+    "discrete": False,
     "A": {},
     "H": {},
     "B": None,
@@ -88,6 +89,7 @@ def _transformed(result: TransformResult, found: Transformed) -> dict[str, objec
             }
             for name, form in zip(names, found.forms, strict=True)
         ],
+        "discrete": made.discrete,
         "A": _matrix(made.A, names, names),
         "H": _matrix(made.H, outputs, names),
         "B": None if made.B is None else _matrix(made.B, names, made.inputs),

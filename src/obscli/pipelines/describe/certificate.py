@@ -39,7 +39,7 @@ def _rows(one: Certificate, system: System) -> tuple[tuple[Cell, ...], ...]:
         (line(Text("minor")), line(Text(ball))),
         (
             line(Text(f"rank ≤ {one.rank}")),
-            line(Text("H N = 0 and N′ − A N = N X exactly, N of full column rank")),
+            line(Text(f"H N = 0 and {_invariance(system)} exactly, N of full column rank")),
         ),
     ]
     if kernel:
@@ -49,6 +49,10 @@ def _rows(one: Certificate, system: System) -> tuple[tuple[Cell, ...], ...]:
         rows.append((line(Text("w")), ((direction(upper.delay, system),), (Text(text),))))
     assumed = "; ".join(one.assumes) or "nothing beyond the file"
     return (*rows, (line(Text("assumes")), line(Text(assumed))))
+
+
+def _invariance(system: System) -> str:
+    return "F N = N X" if system.discrete else "N′ − A N = N X"
 
 
 def _multiplier(one: Certificate) -> Cell:

@@ -20,6 +20,10 @@ LEGEND = (
     "constant: keeps its value along every solution; moving: contains moving states. "
     "First from: the output, and the order of its derivative, that first yields it."
 )
+LEGEND_OF_STEPS = (
+    "constant: keeps its value along every solution; moving: contains moving states. "
+    "First from: the output, and how many steps later (order) it first yields it."
+)
 
 
 def combination_blocks(finding: Analysis) -> Iterator[Block]:
@@ -38,7 +42,9 @@ def combination_blocks(finding: Analysis) -> Iterator[Block]:
         )
         for k, one in enumerate(finding.combinations, 1)
     )
-    yield Table(COMBINATION_COLUMNS, rows, (Text(LEGEND, "faint"),))
+    yield Table(
+        COMBINATION_COLUMNS, rows, (Text(LEGEND_OF_STEPS if finding.system.discrete else LEGEND, "faint"),)
+    )
 
 
 def direction_blocks(finding: Analysis) -> Iterator[Block]:

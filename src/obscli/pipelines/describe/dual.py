@@ -79,15 +79,22 @@ def dual_blocks(system: System) -> Iterator[Block]:
     b, acting = ("B", "inputs") if system.dual == "B" else ("G", "disturbances (below: the inputs)")
     constant = is_constant(system)
     explained = (
-        f"the observability of the dual system x′ = {'' if constant else '−'}Aᵀ x, y = {b}ᵀ x, whose A and H "
+        f"the observability of the dual system {_dual_equation(system)}, y = {b}ᵀ x, whose "
+        f"{system.dynamics_name} and H "
         f"are meant below. A reachable direction (written as a sum) is one in which the {acting} move the "
         "state: an observable combination of the dual. An unreachable combination is one of the states that "
         "no input moves: an unobservable direction of the dual."
     )
-    yield Paragraph((Text(f"Controllability of (A, {b}): ", "strong"), Text(explained)))
+    yield Paragraph((Text(f"Controllability of ({system.dynamics_name}, {b}): ", "strong"), Text(explained)))
     if not constant:
         text = "the system varies in time: whether what no input moves dies out is not asked of its dual"
         yield Note("note", plain(text))
+
+
+def _dual_equation(system: System) -> str:
+    if system.discrete:
+        return f"x({system.time}+1) = Fᵀ x"
+    return f"x′ = {'' if is_constant(system) else '−'}Aᵀ x"
 
 
 def told_of(system: System, blocks: Iterable[Block]) -> Iterator[Block]:

@@ -22,6 +22,7 @@ from obscli.core.document import (
 )
 from obscli.core.number import plain as number
 from obscli.core.number import short
+from obscli.model.system import System
 from obscli.numeric.finding import NotComputed, NumericFinding, NumericPoint
 from obscli.pipelines.describe.instants import runs, span
 from obscli.pipelines.describe.words import SIGNS, names
@@ -67,29 +68,50 @@ def gramian_blocks(result: StageResult) -> Iterator[Block]:
         return
     yield Table(FACT_COLUMNS, tuple(_facts(found)))
     if found.window is not None:
-        text = (
-            f"windows shortened, down to the last {short(found.window)} before an instant: over the whole "
-            "interval fast decay drowns the rest, or takes too many steps; the row space is the same"
-        )
-        yield Note("note", plain(text))
+        yield Note("note", plain(_shortened(short(found.window), found.system)))
     table = Table(POINT_COLUMNS, tuple(_rows(found)), (Text(LEGEND, "faint"),))
     yield table if result.shown == "numeric" else Details((table,))
     every = Table(POINT_COLUMNS, tuple(_row(found, (point,)) for point in found.points))
     yield Details((Paragraph(plain("At every instant:")), every))
 
 
+def _shortened(window: str, system: System) -> str:
+    """Say that windows are shorter than the interval, and why."""
+    if system.discrete:
+        return f"windows shortened, down to the next {window} steps: growth hides the rest over the interval"
+    return (
+        f"windows shortened, down to the last {window} before an instant: over the whole "
+        "interval fast decay drowns the rest, or takes too many steps; the row space is the same"
+    )
+
+
 def _facts(found: NumericFinding) -> Iterator[tuple[Cell, ...]]:
     count = len(found.points)
     first, last = number(found.points[0].t), number(found.points[-1].t)
-    ends = f"{first if first == last else f'{first} to {last}'}, from t0 = {number(found.start)}"
-    default = " (default interval: 20 over the fastest rate)" if found.default else ""
-    step_error = f"step error {short(found.rtol)}" if found.rtol else "no step error"
-    yield line(Text("method")), line(Text(f"{METHODS[found.method]}; {step_error}"))
-    yield line(Text("instants")), line(Text(f"{count}: {ends}{default}"))
+    if found.system.discrete:
+        yield from _discrete_facts(found)
+    else:
+        ends = f"{first if first == last else f'{first} to {last}'}, from t0 = {number(found.start)}"
+        default = " (default interval: 20 over the fastest rate)" if found.default else ""
+        step_error = f"step error {short(found.rtol)}" if found.rtol else "no step error"
+        yield line(Text("method")), line(Text(f"{METHODS[found.method]}; {step_error}"))
+        yield line(Text("instants")), line(Text(f"{count}: {ends}{default}"))
     yield line(Text("scaling")), line(Text(SCALINGS[found.scaling]))
     if found.sampled:
         yield line(Text("motion")), (_sampled(found),)
     yield line(Text("rank")), (_rank(found),)
+
+
+def _discrete_facts(found: NumericFinding) -> Iterator[tuple[Cell, ...]]:
+    """Yield how the Gramian of a discrete-time system was found, and at which steps."""
+    points, time = found.points, found.system.time
+    first, last = number(points[0].t), number(points[-1].t)
+    ends = first if first == last else f"{first} to {last}"
+    stop = number(max(point.stop or 0.0 for point in points))
+    default = " (default interval)" if found.default else ""
+    yield line(Text("method")), line(Text("square root, carried back from sample to sample by QR"))
+    words = f"{len(points)}: {time} = {ends}, each with the outputs from there to {time} = {stop}{default}"
+    yield line(Text("steps")), line(Text(words))
 
 
 def _sampled(found: NumericFinding) -> Inline:

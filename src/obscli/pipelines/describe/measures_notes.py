@@ -21,6 +21,13 @@ UNITS: Final = {
     "prior": "in units of the prior",
     "scale": "in units of `scale`",
 }
+#: What stands in the readings for discrete-time systems: L_j = H F^j are the samples j steps later.
+OF_STEPS: Final = {
+    "outputs and derivatives": "outputs and later samples",
+    "a derivative of an output": "a later sample of an output",
+    "of an output or of a derivative": "of an output or of a later sample",
+    "direction over the interval": "direction at the start of the interval",
+}
 BETTER: Final = {"larger": "larger is better", "smaller": "smaller is better"}
 
 
@@ -35,11 +42,19 @@ def reading_blocks(results: Sequence[MeasuresResult]) -> Iterator[Block]:
     if not shown:
         return
     yield Heading(1, plain("How to read the measures"))
-    options = taken[-1].subject.options
-    yield Listing(tuple((Text(one.symbol, "strong"), Text(_reading(one, options))) for one in shown))
+    options, discrete = taken[-1].subject.options, taken[-1].subject.system.discrete
+    told = ((one, _of_steps(_reading(one, options)) if discrete else _reading(one, options)) for one in shown)
+    yield Listing(tuple((Text(one.symbol, "strong"), Text(text)) for one, text in told))
     scaled = ", ".join(one.symbol for one in shown if one.scaled)
     if scaled:
         yield Paragraph(plain(f"With the units of the states change: {scaled}."))
+
+
+def _of_steps(reading: str) -> str:
+    """Return how a measure is read of a discrete-time system: later samples take the place of derivatives."""
+    for words, instead in OF_STEPS.items():
+        reading = reading.replace(words, instead)
+    return reading
 
 
 def _reading(measure: Measure, options: Mapping[str, Mapping[str, float | str]]) -> str:

@@ -72,7 +72,11 @@ def _frozen(finding: Analysis) -> tuple[Inline, ...]:
     return (
         plain("frozen system"),
         plain(str(finding.frozen_rank)),
-        plain("A, H at a fixed t taken as constant" if finding.varying else "the same: A, H do not vary"),
+        plain(
+            "A, H at a fixed t taken as constant"
+            if finding.varying
+            else f"the same: {finding.system.dynamics_name}, H do not vary"
+        ),
     )
 
 

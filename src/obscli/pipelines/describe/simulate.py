@@ -32,6 +32,7 @@ from obscli.pipelines.simulate_result import FollowedForm, Sampling, SimulateRes
 
 
 if TYPE_CHECKING:
+    from obscli.model.system import System
     from obscli.numeric.simulation_finding import Followed
 
 FACT_COLUMNS: Final = (Column(), Column(breaks=True))
@@ -72,7 +73,7 @@ def _blocks(result: SimulateResult, *, explains: bool, first: bool) -> Iterator[
         return
     if result.interrupted:
         yield Note("warning", plain(_interrupted(found)))
-    yield from _sampling_blocks(found)
+    yield from _sampling_blocks(found, result.system)
     yield from _tables(result, found, explains=explains)
     yield Details(tuple(_course_blocks(result, found)))
     if found.mismatch is not None:
@@ -90,7 +91,7 @@ def _interrupted(found: Simulation) -> str:
     return "interrupted after the covariance was done: what comes after it is not complete"
 
 
-def _sampling_blocks(found: Simulation) -> Iterator[Block]:
+def _sampling_blocks(found: Simulation, system: System) -> Iterator[Block]:
     """Yield the interval, what was sampled when, and what of that is not the file's."""
     rows = [(line(Text("interval")), line(Text(f"{number(found.start)} … {number(found.stop)}")))]
     rows.append((line(Text("samples")), line(Text(str(found.history.samples)))))
@@ -100,7 +101,12 @@ def _sampling_blocks(found: Simulation) -> Iterator[Block]:
     rows += [((names(tuple(outputs)),), line(Text(rate))) for rate, outputs in alike.items()]
     yield Table(FACT_COLUMNS, tuple(rows))
     if found.default:
-        yield Note("note", plain("the file gives no `interval`: 20 over the fastest rate is taken"))
+        taken = (
+            f"{number(found.stop - found.start)} steps are"
+            if system.discrete
+            else "20 over the fastest rate is"
+        )
+        yield Note("note", plain(f"the file gives no `interval`: {taken} taken"))
     if found.assumed_step is not None:
         step = number(found.assumed_step)
         text = f"R is a density and nothing says how often there is a sample: every {step} is taken (--step)"

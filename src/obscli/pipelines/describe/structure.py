@@ -41,6 +41,10 @@ LEGEND: Final = (
     "What no output shows moves by itself as exp(s t), s the eigenvalue. Time: in which it falls to 1/e, or "
     "grows e-fold."
 )
+LEGEND_OF_STEPS: Final = (
+    "What no output shows moves by itself as s^k, s the eigenvalue, k the step. Time: the steps in which it "
+    "falls to 1/e, or grows e-fold; 0: it is gone after at most as many steps as it has directions."
+)
 ROLES: Final[dict[ModeKind, Role]] = {
     "decaying": "good",
     "neutral": "bad",
@@ -108,7 +112,7 @@ def mode_blocks(structure: Structure, system: System) -> Iterator[Block]:
     for mode in structure.modes:
         groups.setdefault((mode.eigenvalue, mode.kind, mode.chained), []).append(mode)
     rows = tuple(_mode_row(modes, structure, system) for modes in groups.values())
-    yield Table(MODE_COLUMNS, rows, (Text(LEGEND, "faint"),))
+    yield Table(MODE_COLUMNS, rows, (Text(LEGEND_OF_STEPS if system.discrete else LEGEND, "faint"),))
 
 
 def _mode_row(modes: list[Mode], structure: Structure, system: System) -> tuple[Cell, ...]:

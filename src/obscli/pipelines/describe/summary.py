@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from obscli.core.document import Block, Paragraph, Text
 from obscli.core.number import counted
 from obscli.exact.finding import Analysis
+from obscli.model.notation import to_text
 from obscli.pipelines.stage_result import StageResult
 
 
@@ -19,4 +20,7 @@ def summary_blocks(result: StageResult) -> Iterator[Block]:
     if isinstance(finding, Analysis):
         varying = ", ".join(finding.varying)
         parts.append(f"varying in time: {varying}" if varying else "time-invariant")
+    if system.discrete:
+        seconds = "" if system.step is None else f" of {to_text(system.step)} s"
+        parts.append(f"discrete-time, {system.time} counts steps{seconds}")
     yield Paragraph((Text("; ".join(parts)),))

@@ -23,7 +23,7 @@ from obscli.core.document import (
 )
 from obscli.core.number import counted
 from obscli.exact.finding import Undecided
-from obscli.model.expression import Expression, symbols
+from obscli.model.expression import Expression, is_one, symbols
 from obscli.model.notation import covector_latex, covector_text, latex_name, to_text
 from obscli.model.system import Covector, Matrix, System
 from obscli.model.variables import is_state
@@ -126,8 +126,9 @@ def _equation_blocks(found: Transformed) -> Iterator[Block]:
 def _equations(found: Transformed) -> Iterator[Block]:
     system = found.system
     A, H = rows_of(system.A, system.state_names), rows_of(system.H, system.state_names)
-    moving = [(name, row) for name, row in zip(system.state_names, A, strict=True) if row]
-    still = tuple(name for name, row in zip(system.state_names, A, strict=True) if not row)
+    pairs = list(zip(system.state_names, A, strict=True))
+    still = tuple(name for name, row in pairs if _is_constant(name, row, system))
+    moving = [(name, row) for name, row in pairs if name not in still]
     yield Heading(2, plain("Equations"))
     lines = [_equation(system, name, row, moves=True) for name, row in moving]
     outputs = zip(system.outputs, H, strict=True)
@@ -140,6 +141,11 @@ def _equations(found: Transformed) -> Iterator[Block]:
         yield Paragraph((Text("driven by: ", "faint"), Text(driven)))
     if found.divides_by:
         yield Note("note", plain(_divisors(found.divides_by, system)))
+
+
+def _is_constant(name: str, row: Mapping[str, Expression], system: System) -> bool:
+    """Whether a state keeps its value: it has no derivative, or its next value is itself."""
+    return row.keys() == {name} and is_one(row[name]) if system.discrete else not row
 
 
 def rows_of(matrix: Matrix, columns: Sequence[str]) -> list[dict[str, Expression]]:
@@ -160,7 +166,12 @@ def _equation(system: System, name: str, form: Covector, *, moves: bool) -> Math
     row, numerals = rounded(form)
     known = {**latex_names(system), **numerals}
     symbol = known.get(name) or latex_name(name)
-    left = (f"{name}'", rf"\dot{{{symbol}}}") if moves else (name, symbol)
+    left = (name, symbol)
+    if moves:
+        after = f"{system.time}+1"
+        left = (f"{name}'", rf"\dot{{{symbol}}}")
+        if system.discrete:
+            left = (f"{name}({after})", f"{symbol}({after})")
     text, latex = covector_text(row, system.state_names), covector_latex(row, system.state_names, known)
     return Math(f"{left[0]} = {text}", f"{left[1]} = {latex}")
 

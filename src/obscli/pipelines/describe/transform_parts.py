@@ -34,17 +34,20 @@ _TWO_BLOCKS: Final = (("A11", "·"), ("A21", "A22"), ("H1", "·"))
 
 def part_blocks(found: Transformed) -> Iterator[Block]:
     """Yield the parts with their states, and the pattern of the blocks."""
-    four = found.by is not None
+    four, dynamics = found.by is not None, found.system.dynamics_name
     yield Heading(2, plain("Parts"))
     yield Table(PART_COLUMNS, tuple(_rows(found, FOUR if four else TWO)))
     yield Table(
         tuple(Column(align="centre") for _ in range(5 if four else 2)),
         tuple(
-            tuple(_block(name, found.by) for name in row) for row in (_FOUR_BLOCKS if four else _TWO_BLOCKS)
+            tuple(_block(name.replace("A", dynamics), found.by) for name in row)
+            for row in (_FOUR_BLOCKS if four else _TWO_BLOCKS)
         ),
         (
             Text(
-                "Blocks of A, of the input matrix beside it, of H below; a dot is zero by structure.", "faint"
+                f"Blocks of {dynamics}, of the input matrix beside it, of H below; a dot is zero by "
+                "structure.",
+                "faint",
             ),
         ),
     )

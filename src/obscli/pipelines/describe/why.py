@@ -25,7 +25,7 @@ from obscli.exact.finding import LinearFormVerdict, Undecided
 from obscli.exact.structure_finding import Mode
 from obscli.exact.trials import ChangeKind, Trial
 from obscli.exact.why import Explanation
-from obscli.model.system import Covector
+from obscli.model.system import Covector, System
 from obscli.pipelines.describe.formulas import combination, direction
 from obscli.pipelines.describe.structure import KINDS
 from obscli.pipelines.describe.why_numbers import number_blocks
@@ -98,7 +98,7 @@ def _seen(finding: Explanation) -> Iterator[Block]:
     """Say which output shows the target, or what shows the combinations it enters."""
     if finding.seen_by is not None:
         output, order = finding.seen_by
-        yield Paragraph((Text("First shown by "), Text(output, "name"), Text(_order(order))))
+        yield Paragraph((Text("First shown by "), Text(output, "name"), Text(_order(order, finding.system))))
     if finding.combinations:
         together = f", together with {_names(finding.group)}" if finding.group else ""
         yield Paragraph(plain(f"The outputs show{together}:"))
@@ -120,7 +120,9 @@ def _is_listed(finding: Explanation) -> bool:
     return single and any(one.keys() == support for one in finding.corrections for support in supports)
 
 
-def _order(order: int) -> str:
+def _order(order: int, system: System) -> str:
+    if system.discrete:
+        return {0: " itself.", 1: " and its next sample."}.get(order, f" and its next {order} samples.")
     return {0: " itself.", 1: " and its derivative."}.get(order, f" and its derivatives up to order {order}.")
 
 
@@ -144,7 +146,10 @@ def _moves(mode: Mode) -> str:
     kind = mode.kind_there if mode.kind == "depends" else mode.kind
     condition = f"dies out iff {mode.condition}" if mode.condition else "moves by itself"
     time = time_constant(mode)
-    pace = "" if time is None else f", {'to 1/e' if kind == 'decaying' else 'e-fold'} in {short(time, 3)}"
+    unit = " steps" if mode.discrete else ""
+    pace = (
+        "" if time is None else f", {'to 1/e' if kind == 'decaying' else 'e-fold'} in {short(time, 3)}{unit}"
+    )
     driven = ", driven by others" if mode.chained else ""
     return f"{MOVES.get(kind, condition)} (eigenvalue {mode.eigenvalue}{pace}{driven})"
 
