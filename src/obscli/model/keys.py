@@ -18,7 +18,6 @@ NOT_YET: Final = {
     "signals": "write the signal as a function of time under `let`, or name it under `functions`",
     "F": "give the continuous-time system as `A`",
     "step": "give the continuous-time system as `A`",
-    "segments": "give the segments as `stages`",
 }
 
 

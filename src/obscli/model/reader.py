@@ -15,6 +15,7 @@ from obscli.model.covector import scope_of
 from obscli.model.draft import Draft
 from obscli.model.expected import Subjects
 from obscli.model.experiment import Known, RunDraft, read_experiment, read_plan
+from obscli.model.jumps import segments_of
 from obscli.model.keys import NOT_YET, Fields, choice_of, fields, text_of
 from obscli.model.meter import MOST_WORK, Meter
 from obscli.model.namespace import check_namespace
@@ -22,6 +23,7 @@ from obscli.model.nominal import check_linearize, read_linearize
 from obscli.model.options import Options, fixes, freed, selected, set_values
 from obscli.model.runs import Elaborated, experiment_of, requirements
 from obscli.model.sections import SYSTEM_KEYS, read_draft
+from obscli.model.segments import read_segments
 from obscli.model.source import Source, checked, read_source
 from obscli.model.stages import Variants, read_stages
 from obscli.model.system import Claim, Model, System
@@ -36,7 +38,7 @@ RUNS_WORK: Final = 20 * MOST_WORK
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 KEYS: Final = (
     "format", "name", "title", "description", "source", *SYSTEM_KEYS, "require", "stages", "experiment",
-    "plan", "claims", "expect",
+    "plan", "segments", "claims", "expect",
 )  # fmt: skip
 
 
@@ -125,6 +127,7 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     known = _known(draft, stages)
     experiment = read_experiment(_node(given, "experiment"), known, problems)
     plan = read_plan(_node(given, "plan"), known, problems)
+    segments = read_segments(_node(given, "segments"), known, problems)
     if not draft.states:
         if "states" not in given or not problems:
             problems.add(root.problem("", "`states` is missing: the names of the states, in order"))
@@ -140,7 +143,8 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     scope, states = scope_of(systems[0]), systems[0].states
     wanted = {name for one in states for name in (one.name, one.vector) if name} | draft.quantities.keys()
     chosen = tuple(selected(system, options, problems) for system in systems)
-    found = experiment_of(experiment, plan, _elaborated(variants, options, chosen), problems)
+    elaborated = _elaborated(variants, options, chosen)
+    found = experiment_of(experiment, plan, elaborated, problems)
     about_it = claims_of(about_experiment(claims, found, problems), scope, _subjects(systems[0]), problems)
     return replace(
         model,
@@ -148,6 +152,7 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
         experiment=found,
         require=requirements(_node(given, "require"), chosen[0], wanted, problems),
         claims=about_it,
+        segments=segments_of(segments, elaborated, problems),
     )
 
 

@@ -309,6 +309,39 @@ class Experiment:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Segment:
+    """One segment: a stage with its replacements made, for a while (``system.stage`` is the segment's name).
+
+    ``stop``: where it ends on the axis of time that all segments share; ``jump``: J with x⁺ = J x there, on
+    the way to the next one, None: the state goes through as it is; ``run``: the segment as a run.
+    """
+
+    run: Run
+    duration: Expression
+    stop: Expression
+    jump: Matrix | None = None
+
+    @property
+    def name(self) -> str:
+        """The name of the segment."""
+        return self.run.name
+
+    @property
+    def system(self) -> System:
+        """The system in force."""
+        return self.run.system
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Segments:
+    """Segments in order, one after the other from ``start`` on, the whole state carried through."""
+
+    start: Expression
+    parts: tuple[Segment, ...]
+    place: Place
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Requirement:
     """Accuracy asked for: one standard deviation of a state or quantity."""
 
@@ -334,3 +367,4 @@ class Model:
     experiment: Experiment | None = None
     require: tuple[Requirement, ...] = ()
     claims: tuple[Claim, ...] = ()
+    segments: Segments | None = None
