@@ -148,7 +148,7 @@ def analyze(
         if changes.fix:
             unfixed = load_changed(model, Changes(changes.settings, {}, changes.outputs, changes.without))
         found = analyze_pipeline.analyze(changed, request, changes, unfixed, progress)
-    return AnalyzeReport(found.results, found.changes)
+    return AnalyzeReport(found.results, found.changes, found.segments)
 
 
 def calibrate(

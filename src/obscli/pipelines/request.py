@@ -72,7 +72,7 @@ class AnalyzeRequest:
     the coefficients also where the numerical side is not alone; ``relations``: find what outputs are made of;
     ``cross_check``: solve the Riccati equation from two priors; ``dual``: what the inputs reach instead;
     ``frozen_at``: an instant at which A and H are taken as constant, in the names of the file; ``certify``:
-    prove the rank of the Gramian at instants in ball arithmetic.
+    prove the rank of the Gramian at instants in ball arithmetic; ``segments``: only the segments of the file.
     """
 
     stages: tuple[str, ...] = ()
@@ -87,6 +87,7 @@ class AnalyzeRequest:
     dual: bool = False
     frozen_at: str | None = None
     certify: bool = False
+    segments: bool = False
 
 
 #: The parts of a calibration that can be asked for alone.
