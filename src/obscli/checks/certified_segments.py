@@ -21,7 +21,7 @@ from obscli.model.system import Matrix
 
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
     from obscli.model.system import Segments
 
@@ -52,7 +52,10 @@ class CertifiedSegments:
 
 
 def certified_segments(
-    segments: Segments, most: int, told: Callable[[str], None] = lambda _: None
+    segments: Segments,
+    most: int,
+    told: Callable[[str], None] = lambda _: None,
+    attempts: Sequence[int] = BITS,
 ) -> CertifiedSegments:
     """Prove as much of the rank of all segments together as balls show.
 
@@ -61,10 +64,11 @@ def certified_segments(
     segments : parameters take their values in the file
     most : the rank is proved not to exceed this: no more is looked for
     told : told what is being done
+    attempts : bits, in the order tried
     """
     best = CertifiedSegments((), 0)
     try:
-        for bits in BITS:
+        for bits in attempts:
             told(f"rank of the segments in balls of {bits} bits")
             with precision(bits, bits // _TERMS + 2):
                 after = _after_each(segments, most, bits)
@@ -78,7 +82,7 @@ def certified_segments(
         return _because(best, f"{missing.args[0]} has no value")
     except TooManyBallStepsError:
         return _because(best, "a segment is too long to be followed in ball arithmetic")
-    return _because(best, f"no further row is seen to be independent with up to {BITS[-1]} bits")
+    return _because(best, f"no further row is seen to be independent with up to {attempts[-1]} bits")
 
 
 def _because(found: CertifiedSegments, reason: str) -> CertifiedSegments:

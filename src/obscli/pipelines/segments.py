@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from obscli.checks.certified_segments import certified_segments
+from obscli.checks.certified_segments import BITS, certified_segments
 from obscli.checks.turned_between import turned_between
 from obscli.exact.finding import Analysis, Undecided
 from obscli.experiment.hidden_throughout import hidden_there, hidden_throughout
@@ -49,11 +49,15 @@ def segments_result(
 
 
 def _with_bounds(found: SegmentsResult, told: Progress) -> SegmentsResult:
-    """Return the result with both bounds; the one at the file's values only where the generic one is too wide."""
+    """Return the result with both bounds; what every state is seen in needs no upper one."""
     segments, base = found.segments, found.model.systems[0]
+    certified = certified_segments(segments, found.n, told, BITS[:1])
+    if certified.rank == found.n:
+        return replace(found, certified=certified)
     exact = hidden_throughout(segments, base, told)
     most = exact.rank if isinstance(exact, Analysis) else found.n
-    certified = certified_segments(segments, most, told)
+    if certified.rank < most:
+        certified = max(certified, certified_segments(segments, most, told, BITS[1:]), key=lambda one: one.rank)
     there: Analysis | Undecided | None = None
     if certified.rank < most:
         told("combinations that segments see at the file's values")

@@ -24,7 +24,7 @@ def segments_data(result: SegmentsResult | None) -> dict[str, object]:
             "model": {"name": result.model.name, "file": str(result.model.file)},
             "n": result.n,
             "states": list(system.state_names),
-            "rank": result.proved.rank if result.proved else None,
+            "rank": result.rank,
             "generic": result.is_generic,
             "at_least": result.least,
             "at_most": result.most,

@@ -73,11 +73,16 @@ class SegmentsResult:
     def most(self) -> int | None:
         """The rank is proved not to exceed this at the file's values; None: not looked at."""
         bounds = [one.rank for one in (self.exact, self.there) if isinstance(one, Analysis)]
-        return min(bounds, default=self.n if self.exact is not None else None)
+        return min(bounds, default=None if self.certified is None else self.n)
+
+    @property
+    def rank(self) -> int | None:
+        """The rank, proved at the file's values; None: not so."""
+        return self.least if self.least == self.most else None
 
     @property
     def proved(self) -> Analysis | None:
-        """The exact finding where both bounds meet: then it is all that the segments show."""
+        """The exact finding where both bounds meet below n: then it is all that the segments show."""
         for one in (self.exact, self.there):
             if isinstance(one, Analysis) and one.rank == self.least and not one.undecided:
                 return one
@@ -86,7 +91,7 @@ class SegmentsResult:
     @property
     def is_generic(self) -> bool:
         """Whether the rank is proved for generic parameters too."""
-        return self.proved is not None and self.proved is self.exact
+        return self.rank is not None and (self.rank == self.n or self.proved is self.exact)
 
     @property
     def seen(self) -> int | None:
@@ -104,5 +109,5 @@ class SegmentsResult:
     @property
     def is_undecided(self) -> bool:
         """Whether what was asked about the rank stayed open."""
-        exactly = self.shown != "numeric" and self.proved is None
+        exactly = self.shown != "numeric" and self.rank is None
         return exactly or (self.shown != "analytic" and self.seen is None)

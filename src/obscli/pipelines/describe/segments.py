@@ -64,6 +64,8 @@ def segments_blocks(result: SegmentsResult | None) -> Iterator[Block]:
         yield from direction_blocks(found)
         yield from state_blocks(found)
         yield from quantity_blocks(found)
+    elif result.rank == result.n:
+        yield Paragraph(plain("Every state is observable, and so is every combination."))
     else:
         yield from _bounds(result)
     yield from _verdicts(result)
@@ -111,11 +113,10 @@ def _bounds(result: SegmentsResult) -> Iterator[Block]:
 
 def _verdicts(result: SegmentsResult) -> Iterator[Block]:
     n = result.n
-    found = result.proved
-    if found is not None:
+    if result.rank is not None:
         where = "generic, and at the file's values" if result.is_generic else "at the file's values"
         stands = ", of the model as it stands: see the warning" if result.turns else ""
-        text = f"proved: the segments together show {found.rank} of {n} ({where}){stands}"
+        text = f"proved: the segments together show {result.rank} of {n} ({where}){stands}"
         yield VerdictLine("good", plain(text))
     elif result.most is not None and result.least is not None:
         reason = result.certified.reason if result.certified else ""
@@ -135,7 +136,7 @@ def _of_gramian(result: SegmentsResult) -> VerdictLine:
     if result.is_contradicted:
         text = f"the Gramian over all segments has rank {result.seen}, against what is proved"
         return VerdictLine("bad", plain(text))
-    if result.proved is not None:
+    if result.rank is not None:
         return VerdictLine("good", plain(f"the Gramian over all segments agrees: rank {result.seen}"))
     text = f"numerical only, not proved: the Gramian over all segments has rank {result.seen} of {result.n}"
     return VerdictLine("info", plain(text))
