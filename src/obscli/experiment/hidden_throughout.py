@@ -20,7 +20,7 @@ D. Goshen-Meskin, I. Y. Bar-Itzhack (1992), Observability analysis of piece-wise
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -76,16 +76,16 @@ def _closed(
 ) -> Analysis | Undecided:
     """Return the analysis of the last step."""
     moving = list({id(one): one for one in systems}.values())
-    rows = list(_distinct(row for one in moving for row in _rows_of(one.H, one.state_names)))
+    rows = list(distinct(row for one in moving for row in rows_of(one.H, one.state_names)))
     step = 0
     while True:
         progress(f"combinations that segments see, step {step}")
-        found = analyze(_static(moving, rows, base), _STEP)
+        found = analyze(static_with(moving, rows, base), _STEP)
         if isinstance(found, Undecided):
             return found
         reduced = [one.coefficients for one in found.combinations]
-        further = list(_distinct(_after(reduced, moving, jumps)))
-        wider = analyze(_static(moving, [*reduced, *further], base), _STEP)
+        further = list(distinct(_after(reduced, moving, jumps)))
+        wider = analyze(static_with(moving, [*reduced, *further], base), _STEP)
         if isinstance(wider, Undecided):
             return wider
         if wider.rank == found.rank:
@@ -93,7 +93,7 @@ def _closed(
         rows = [one.coefficients for one in wider.combinations]
         step += 1
     progress("combinations that segments see, proved")
-    return analyze(_static(moving, reduced, base), _LAST)
+    return analyze(static_with(moving, reduced, base), _LAST)
 
 
 def _after(
@@ -116,14 +116,15 @@ def _after(
                 yield kept
 
 
-def _rows_of(matrix: Matrix, names: Sequence[str]) -> Iterator[Covector]:
+def rows_of(matrix: Matrix, names: Sequence[str]) -> Iterator[Covector]:
+    """Yield the rows of a matrix that are not zero."""
     rows: dict[int, dict[str, Expression]] = {}
     for (i, j), entry in matrix.entries.items():
         rows.setdefault(i, {})[names[j]] = entry
     yield from rows.values()
 
 
-def _distinct(rows: Iterator[Covector]) -> Iterator[Covector]:
+def distinct(rows: Iterable[Covector]) -> Iterator[Covector]:
     """Yield each covector once, as written."""
     known: set[tuple[tuple[str, str], ...]] = set()
     for row in rows:
@@ -133,7 +134,7 @@ def _distinct(rows: Iterator[Covector]) -> Iterator[Covector]:
             yield row
 
 
-def _static(systems: Sequence[System], rows: Sequence[Covector], base: System) -> System:
+def static_with(systems: Sequence[System], rows: Sequence[Covector], base: System) -> System:
     """Return x' = 0, y = R(t) x with the names of all segments."""
     first = systems[0]
     column = {name: j for j, name in enumerate(first.state_names)}

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 
 from obscli.checks.certified_segments import BITS, certified_segments
 from obscli.checks.turned_between import turned_between
-from obscli.exact.finding import Analysis, Undecided
+from obscli.exact.finding import Analysis
 from obscli.experiment.hidden_throughout import hidden_there, hidden_throughout
-from obscli.model.system import Model, Segments
+from obscli.experiment.outputs_from_start import outputs_from_start
+from obscli.model.system import Model
 from obscli.pipelines.request import NumericRequest, Part, Progress, RequestError, silent
 from obscli.pipelines.segments_result import SegmentEnd, SegmentsResult
 
@@ -40,7 +41,7 @@ def segments_result(
     if segments is None:
         raise RequestError(f"{model.file}: there are no `segments`")
     told: Progress = lambda step: progress(f"{model.name} · segments: {step}")  # noqa: E731
-    found = SegmentsResult(model, segments, None, None, None, None, (), turned_between(segments), only)
+    found = SegmentsResult(model, segments, None, None, None, None, None, (), turned_between(segments), only)
     if only != "numeric":
         found = _with_bounds(found, told)
     if only == "analytic":
@@ -57,12 +58,16 @@ def _with_bounds(found: SegmentsResult, told: Progress) -> SegmentsResult:
     exact = hidden_throughout(segments, base, told)
     most = exact.rank if isinstance(exact, Analysis) else found.n
     if certified.rank < most:
-        certified = max(certified, certified_segments(segments, most, told, BITS[1:]), key=lambda one: one.rank)
-    there: Analysis | Undecided | None = None
+        again = certified_segments(segments, most, told, BITS[1:])
+        certified = again if again.rank >= certified.rank else certified
+    outputs, there = None, None
+    if certified.rank < most:
+        outputs = outputs_from_start(segments, base, told)
+        most = min(most, outputs.rank) if isinstance(outputs, Analysis) else most
     if certified.rank < most:
         told("combinations that segments see at the file's values")
         there = hidden_there(segments, base, told)
-    return replace(found, exact=exact, there=there, certified=certified)
+    return replace(found, exact=exact, outputs=outputs, there=there, certified=certified)
 
 
 def _with_gramian(found: SegmentsResult, request: NumericRequest, told: Progress) -> SegmentsResult:

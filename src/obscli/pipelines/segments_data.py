@@ -31,6 +31,7 @@ def segments_data(result: SegmentsResult | None) -> dict[str, object]:
             "reason": certified.reason if certified else "",
             "parts": [_end(one) for one in result.ends],
             "bound": _bound(result.exact, system),
+            "outputs_from_start": _bound(result.outputs, system),
             "bound_at_values": _bound(result.there, system),
             "numeric": numeric_data(result.numeric),
             "contradicted": result.is_contradicted,

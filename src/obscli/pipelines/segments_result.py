@@ -38,6 +38,7 @@ class SegmentsResult:
     ----------
     exact : what constant directions hidden all the way leave: its rank is never exceeded; None: not asked for
     there : the same at the file's values, where that was needed
+    outputs : the outputs as functions of the state at the start, where they have a closed form and were needed
     certified : how many independent combinations are proved at the file's values
     numeric : the Gramian over all segments
     ends : by segment; empty where nothing has numbers
@@ -48,6 +49,7 @@ class SegmentsResult:
     segments: Segments
     exact: Analysis | Undecided | None
     there: Analysis | Undecided | None
+    outputs: Analysis | Undecided | None
     certified: CertifiedSegments | None
     numeric: NumericFinding | NotComputed | None
     ends: tuple[SegmentEnd, ...]
@@ -72,7 +74,7 @@ class SegmentsResult:
     @property
     def most(self) -> int | None:
         """The rank is proved not to exceed this at the file's values; None: not looked at."""
-        bounds = [one.rank for one in (self.exact, self.there) if isinstance(one, Analysis)]
+        bounds = [one.rank for one in (self.exact, self.outputs, self.there) if isinstance(one, Analysis)]
         return min(bounds, default=None if self.certified is None else self.n)
 
     @property
@@ -83,7 +85,7 @@ class SegmentsResult:
     @property
     def proved(self) -> Analysis | None:
         """The exact finding where both bounds meet below n: then it is all that the segments show."""
-        for one in (self.exact, self.there):
+        for one in (self.exact, self.outputs, self.there):
             if isinstance(one, Analysis) and one.rank == self.least and not one.undecided:
                 return one
         return None
@@ -91,7 +93,12 @@ class SegmentsResult:
     @property
     def is_generic(self) -> bool:
         """Whether the rank is proved for generic parameters too."""
-        return self.rank is not None and (self.rank == self.n or self.proved is self.exact)
+        return self.rank is not None and (self.rank == self.n or self.proved is not self.there)
+
+    @property
+    def is_at_start(self) -> bool:
+        """Whether the combinations are those of the state at the start, else of the state at any time."""
+        return self.proved is not None and self.proved is self.outputs
 
     @property
     def seen(self) -> int | None:

@@ -61,6 +61,8 @@ def segments_blocks(result: SegmentsResult | None) -> Iterator[Block]:
     found = result.proved
     if found is not None:
         yield from _combinations(found)
+        if result.is_at_start:
+            yield Note("note", plain("combinations, directions and states are those at the start"))
         yield from direction_blocks(found)
         yield from state_blocks(found)
         yield from quantity_blocks(found)
