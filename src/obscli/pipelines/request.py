@@ -178,7 +178,7 @@ class SimulateRequest:
 
     ``step``: time between samples of outputs that have no rate of their own, None: as in the file;
     ``recorded``: instants that the histories keep; ``runs``: random runs, 0: none; ``fraction``: of the prior
-    below which a deviation counts as small where the file requires nothing.
+    below which a deviation counts as small where the file requires nothing; ``segments``: only the segments.
     """
 
     stages: tuple[str, ...] = ()
@@ -188,3 +188,4 @@ class SimulateRequest:
     seed: int = 0
     fraction: float = 0.1
     numeric: NumericRequest = NumericRequest()
+    segments: bool = False
