@@ -27,7 +27,7 @@ from typing import TypeAlias
 from obscli.exact.analysis import Options, analyze
 from obscli.exact.finding import Analysis, Undecided
 from obscli.experiment.own_symbols import OwnSymbol, told_apart
-from obscli.model.expression import Expression, Symbol, add, is_zero, multiply
+from obscli.model.expression import ONE, Expression, Symbol, add, is_zero, multiply
 from obscli.model.notation import to_text
 from obscli.model.specialise import Specialisation, at_nominal
 from obscli.model.system import Covector, Function, Invariant, Matrix, Output, Parameter, Segments, System
@@ -56,6 +56,12 @@ def hidden_there(segments: Segments, base: System, progress: Progress) -> Analys
     systems = [at_nominal(one.system).system() for one in segments.parts]
     jumps = [_exchanged(one.jump, values) for one in segments.parts if one.jump is not None]
     return _closed(systems, jumps, at_nominal(base).system(), progress)
+
+
+def everything(segments: Segments, base: System) -> Analysis | Undecided:
+    """Return the analysis of x' = 0, y = x: what there is to say where all states are seen."""
+    system = segments.parts[0].system
+    return analyze(static_with([system], [{name: ONE} for name in system.state_names], base), _LAST)
 
 
 def _jumps(segments: Segments, own: Sequence[OwnSymbol]) -> list[Matrix]:

@@ -43,7 +43,7 @@ def fields(
         elif known is not None and key.text not in known:
             message = f"unknown key '{shown(key.text)}'{nearest(key.text, known)}"
             problems.add(
-                key.problem(path, message, f"keys here: {', '.join(known)}" if len(known) < 16 else "")
+                key.problem(path, message, f"keys here: {', '.join(known)}" if len(known) <= 16 else "")
             )
         else:
             found[unicodedata.normalize("NFC", key.text)] = (key, value)

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Final
 
 from obscli.core.place import ModelError, Place, Problem
-from obscli.model.claims import Origin, about, about_experiment, claims_of, read_claims
+from obscli.model.claims import Origin, about, about_experiment, about_segments, claims_of, read_claims
 from obscli.model.compose import compose
 from obscli.model.covector import scope_of
 from obscli.model.draft import Draft
@@ -145,14 +145,17 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     chosen = tuple(selected(system, options, problems) for system in systems)
     elaborated = _elaborated(variants, options, chosen)
     found = experiment_of(experiment, plan, elaborated, problems)
-    about_it = claims_of(about_experiment(claims, found, problems), scope, _subjects(systems[0]), problems)
+    subjects = _subjects(systems[0])
+    about_it = claims_of(about_experiment(claims, found, problems), scope, subjects, problems)
+    together = segments_of(segments, elaborated, problems)
+    about_it_all = about_segments(claims, problems, there=segments is not None)
     return replace(
         model,
         systems=chosen,
         experiment=found,
         require=requirements(_node(given, "require"), chosen[0], wanted, problems),
         claims=about_it,
-        segments=segments_of(segments, elaborated, problems),
+        segments=together and replace(together, claims=claims_of(about_it_all, scope, subjects, problems)),
     )
 
 
@@ -204,7 +207,7 @@ def load_claims(model: Model, path: str | Path) -> Mapping[str | None, tuple[Cla
     Returns
     -------
     Mapping[str | None, tuple[Claim, ...]]
-        by stage (None: the base); those about an experiment stand under None
+        by stage (None: the base); those about an experiment or about segments stand under None
 
     Raises
     ------
@@ -225,7 +228,8 @@ def load_claims(model: Model, path: str | Path) -> Mapping[str | None, tuple[Cla
     for system in model.systems:
         here = about(drafts, system.stage)
         found[system.stage] = claims_of(here, scope_of(system), _subjects(system), problems)
-    rest = about_experiment(drafts, model.experiment, problems)
+    together = about_segments(drafts, problems, there=model.segments is not None)
+    rest = (*about_experiment(drafts, model.experiment, problems), *together)
     if rest:
         first = model.systems[0]
         found[None] = found.get(None, ()) + claims_of(rest, scope_of(first), _subjects(first), problems)

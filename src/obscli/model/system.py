@@ -151,7 +151,8 @@ class Claim:
     A claim about an experiment may be about some ``runs`` only (empty: all); ``everything`` is where it says
     that all shared states are determined; ``detectable``: whether what is unobservable is said to die out.
     ``requirements``: whether accuracy asked for is met, by state or quantity; "" for all that is asked for;
-    ``stationary``: the sizes of time-invariant systems with the same outputs.
+    ``stationary``: the sizes of time-invariant systems with the same outputs; ``segments``: whether it is
+    about the segments together.
     """
 
     origin: Literal["claims", "expect"]
@@ -172,6 +173,7 @@ class Claim:
     measures: tuple[ExpectedMeasure, ...] = ()
     requirements: Mapping[str, tuple[Met, Place]] = field(default_factory=dict)
     stationary: ExpectedStationary | None = None
+    segments: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -334,11 +336,15 @@ class Segment:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segments:
-    """Segments in order, one after the other from ``start`` on, the whole state carried through."""
+    """Segments in order, one after the other from ``start`` on, the whole state carried through.
+
+    ``claims``: those about all of them together.
+    """
 
     start: Expression
     parts: tuple[Segment, ...]
     place: Place
+    claims: tuple[Claim, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from obscli.checks.certified_segments import BITS, certified_segments
 from obscli.checks.turned_between import turned_between
 from obscli.exact.finding import Analysis
-from obscli.experiment.hidden_throughout import hidden_there, hidden_throughout
+from obscli.experiment.hidden_throughout import everything, hidden_there, hidden_throughout
 from obscli.experiment.outputs_from_start import outputs_from_start
 from obscli.model.system import Model
 from obscli.pipelines.request import NumericRequest, Part, Progress, RequestError, silent
@@ -54,7 +54,7 @@ def _with_bounds(found: SegmentsResult, told: Progress) -> SegmentsResult:
     segments, base = found.segments, found.model.systems[0]
     certified = certified_segments(segments, found.n, told, BITS[:1])
     if certified.rank == found.n:
-        return replace(found, certified=certified)
+        return replace(found, exact=everything(segments, base), certified=certified)
     exact = hidden_throughout(segments, base, told)
     most = exact.rank if isinstance(exact, Analysis) else found.n
     if certified.rank < most:

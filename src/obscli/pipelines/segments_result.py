@@ -84,7 +84,7 @@ class SegmentsResult:
 
     @property
     def proved(self) -> Analysis | None:
-        """The exact finding where both bounds meet below n: then it is all that the segments show."""
+        """The exact finding where both bounds meet: then it is all that the segments show."""
         for one in (self.exact, self.outputs, self.there):
             if isinstance(one, Analysis) and one.rank == self.least and not one.undecided:
                 return one

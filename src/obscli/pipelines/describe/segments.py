@@ -59,15 +59,15 @@ def segments_blocks(result: SegmentsResult | None) -> Iterator[Block]:
         yield Note("warning", plain(text))
     yield Table(COLUMNS, tuple(_row(k, one) for k, one in enumerate(result.ends, 1)), (Text(LEGEND, "faint"),))
     found = result.proved
-    if found is not None:
+    if result.rank == result.n:
+        yield Paragraph(plain("Every state is observable, and so is every combination."))
+    elif found is not None:
         yield from _combinations(found)
         if result.is_at_start:
             yield Note("note", plain("combinations, directions and states are those at the start"))
         yield from direction_blocks(found)
         yield from state_blocks(found)
         yield from quantity_blocks(found)
-    elif result.rank == result.n:
-        yield Paragraph(plain("Every state is observable, and so is every combination."))
     else:
         yield from _bounds(result)
     yield from _verdicts(result)
