@@ -119,7 +119,7 @@ def _identity(n: int) -> arb_mat:
 
 
 class _Echelon:
-    """Rows eliminated as they come: each kept one has a pivot that excludes zero, and zeros at the others'."""
+    """Rows eliminated as they come: each one kept has a pivot that excludes zero."""
 
     def __init__(self) -> None:
         self._rows: list[tuple[int, list[arb]]] = []

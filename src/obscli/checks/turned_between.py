@@ -51,8 +51,8 @@ class Turn:
         return (
             f"{self.name} turns by {self.degrees:.4g}° between '{self.before}' and '{self.after}' "
             f"(t = {self.t:.6g}) in no time: what that motion does to the states that move ({some}) is "
-            "missing, and combinations may seem observable that are not; put a segment for the motion between "
-            f"them, or give '{self.before}' a `jump`"
+            "missing, and combinations may seem observable that are not; put a segment for the motion "
+            f"between them, or give '{self.before}' a `jump`"
         )
 
 

@@ -170,5 +170,3 @@ def static_with(systems: Sequence[System], rows: Sequence[Covector], base: Syste
         claims=(),
         noise=None,
     )
-
-

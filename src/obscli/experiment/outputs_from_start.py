@@ -63,8 +63,7 @@ def outputs_from_start(
     for one, system in zip(segments.parts, systems, strict=True):
         A = _by_row(system.A, names)
         since = add(Symbol(system.time), negate(begin))
-        for row in rows_of(system.H, names):
-            found.append(_through(_evolved(row, A, since), carried))
+        found += [_through(_evolved(row, A, since), carried) for row in rows_of(system.H, names)]
         through = {name: _evolved({name: ONE}, A, one.duration) for name in names}
         carried = {name: _through(row, carried) for name, row in through.items()}
         if one.jump is not None:

@@ -35,8 +35,8 @@ Origin = Literal["claims", "expect"]
 VERDICTS: Final = ("observable", "coupled", "unobservable")
 COMBINATIONS: Final = ("basis", "observable", "unobservable")
 CLAIM_KEYS: Final = (
-    "stage", "experiment", "runs", "segments", "at", "rank", *COMBINATIONS, "directions", "states", "determined",
-    "detectable",
+    "stage", "experiment", "runs", "segments", "at", "rank", *COMBINATIONS, "directions", "states",
+    "determined", "detectable",
 )  # fmt: skip
 EXPECT_KEYS: Final = (*CLAIM_KEYS, "measures", "require", "stationary")
 

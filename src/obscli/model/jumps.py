@@ -118,7 +118,7 @@ def _at(jump: Matrix, system: System, first: System, stop: Expression) -> Matrix
 def _in_parameters_of(
     first: System, system: System, further: Mapping[str, Expression] = MappingProxyType({})
 ) -> Specialisation:
-    """Return what replaces the parameters of a system that the first one does not have, or not so, by values."""
+    """Return what replaces parameters by values, where the first system does not have them, or not so."""
     known = {one.name: _value(one) for one in first.parameters}
     changed = {
         one.name: one.nominal

@@ -54,9 +54,7 @@ def read_segments(node: Node | None, known: Known, problems: Problems) -> Segmen
     found = [_segment(item, f"segments[{k}]", known, problems) for k, item in enumerate(items, start=1)]
     parts = [one for one in found if one is not None]
     names = named_apart([one.run for one in parts], "segments", problems)
-    return SegmentsDraft(
-        node, tuple(replace(one, run=run) for one, run in zip(parts, names, strict=True))
-    )
+    return SegmentsDraft(node, tuple(replace(one, run=run) for one, run in zip(parts, names, strict=True)))
 
 
 def _segment(node: Node, path: str, known: Known, problems: Problems) -> SegmentDraft | None:
@@ -102,5 +100,3 @@ def _jump(given: Fields, path: str, problems: Problems) -> Entries | None:
         if entry.formula is None:
             problems.add(entry.key.problem(f"{path}.jump.{name}", "an expression is missing here"))
     return {name: entry for name, entry in found.items() if entry.formula is not None}
-
-

@@ -105,10 +105,8 @@ def segment_history(
     except KeyboardInterrupt:
         complete = False
     k, r = len(found), len(forms.names)
-    t = np.array([one[0] for one in found])
+    times = np.array([one[0] for one in found])
     closed = np.array([one[1] for one in found]).reshape(k, r)
     opened = np.array([one[2] for one in found]).reshape(k, r)
     before = np.full(r, np.nan) if prior is None else prior
-    return History(forms.names, forms.kinds, t, closed, opened, before, samples, complete)
-
-
+    return History(forms.names, forms.kinds, times, closed, opened, before, samples, complete)

@@ -125,7 +125,7 @@ def segment_numeric(
         edges = edges_of(piece.start, own, longest_step(rates[-1]), effort.most_steps)
         found += snapshots(panels(last, edges, effort), chain, own)
         if piece.jump is not None:
-            chain.jump(np.linalg.inv(piece.jump))
+            chain.jump(np.asarray(np.linalg.inv(piece.jump), dtype=float))
     assert last is not None
     whole = np.concatenate(instants)
     gramian = gathered(found, pieces[0].start, whole)
@@ -154,5 +154,3 @@ def _fastest(rates: Sequence[Rates]) -> Rates:
         max(one.dynamics for one in rates),
         max(one.backward for one in rates),
     )
-
-

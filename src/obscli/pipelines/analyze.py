@@ -123,8 +123,8 @@ def _segments(model: Model, request: AnalyzeRequest, progress: Progress) -> Segm
     stages_alone = timed or bool(request.stages) or request.dual or request.frozen_at is not None
     if request.segments and (stages_alone or request.only == "structure"):
         raise RequestError(
-            "--segments has the durations of the file and all of its stages: leave out --stage, --from, --to, "
-            "--times, --dual, --frozen-at, --only structure"
+            "--segments has the durations of the file and all of its stages: leave out --stage, --from, "
+            "--to, --times, --dual, --frozen-at, --only structure"
         )
     if request.segments or not (model.segments is None or stages_alone or request.only == "structure"):
         return segments_result(model, numeric, request.only, progress)

@@ -5,6 +5,7 @@ Importing this costs no floating-point library; asking for the Gramian does.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -98,7 +99,7 @@ def _named(found: SegmentsResult) -> tuple[SegmentEnd, ...]:
     after = found.certified.after if found.certified else ()
     proved = [*after, *([None] * (len(found.segments.parts) - len(after)))]
     return tuple(
-        SegmentEnd(one.name, float("nan"), float("nan"), one.jump is not None, own, None, False, None)
+        SegmentEnd(one.name, math.nan, math.nan, one.jump is not None, own)
         for one, own in zip(found.segments.parts, proved, strict=True)
     )
 

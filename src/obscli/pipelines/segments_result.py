@@ -25,9 +25,9 @@ class SegmentEnd:
     stop: float
     jumps: bool
     proved: int | None
-    rank: int | None
-    decided: bool
-    gap: float | None
+    rank: int | None = None
+    decided: bool = False
+    gap: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +38,7 @@ class SegmentsResult:
     ----------
     exact : what constant directions hidden all the way leave: its rank is never exceeded; None: not asked for
     there : the same at the file's values, where that was needed
-    outputs : the outputs as functions of the state at the start, where they have a closed form and were needed
+    outputs : outputs as functions of the state at the start, where they have a closed form and were needed
     certified : how many independent combinations are proved at the file's values
     numeric : the Gramian over all segments
     ends : by segment; empty where nothing has numbers

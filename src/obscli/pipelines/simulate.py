@@ -25,8 +25,8 @@ from obscli.pipelines.request import Changes, Progress, RequestError, SimulateRe
 from obscli.pipelines.simulate_followed import demands_of, followed_forms, sampling_of
 from obscli.pipelines.simulate_needs import lacking
 from obscli.pipelines.simulate_report import SimulateReport
-from obscli.pipelines.simulate_segments import simulate_segments
 from obscli.pipelines.simulate_result import Demand, Mismatch, SimulateResult, Simulation
+from obscli.pipelines.simulate_segments import simulate_segments
 
 
 def simulate(

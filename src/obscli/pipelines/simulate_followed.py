@@ -32,9 +32,7 @@ def followed_forms(system: System) -> tuple[tuple[FollowedForm, ...], str]:
     return forms_from(system, _at_values(system))
 
 
-def forms_from(
-    system: System, found: Analysis | Undecided
-) -> tuple[tuple[FollowedForm, ...], str]:
+def forms_from(system: System, found: Analysis | Undecided) -> tuple[tuple[FollowedForm, ...], str]:
     """Return the same from an analysis that holds at the file's values."""
     verdicts: dict[str, LinearFormVerdict] = {}
     combinations: tuple[Covector, ...] = ()

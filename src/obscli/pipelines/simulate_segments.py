@@ -55,9 +55,7 @@ def _simulated(
     schedules = schedules_of(pieces, request.step)
     forms, unsaid = _followed_forms(bounds, system)
     combinations = [(one.name, one.coefficients) for one in forms if one.kind == "combination"]
-    history = segment_history(
-        pieces, schedules, forms_of(system, combinations), request.recorded, progress
-    )
+    history = segment_history(pieces, schedules, forms_of(system, combinations), request.recorded, progress)
     demands = demands_of(system, bounds.model.require)
     end = dict(zip(history.names, history.deviations[-1], strict=True)) if len(history.t) else {}
     whole = _whole(schedules)
@@ -91,11 +89,7 @@ def _followed_forms(bounds: SegmentsResult, system: System) -> tuple[tuple[Follo
 
 def _whole(schedules: tuple[Schedule, ...]) -> Schedule:
     """Return the samples of all segments as those of one interval."""
-
-
     first, last = schedules[0], schedules[-1]
     t = np.concatenate([one.t for one in schedules])
     sampled = np.concatenate([one.sampled for one in schedules])
     return replace(first, stop=last.stop, t=t, sampled=sampled)
-
-

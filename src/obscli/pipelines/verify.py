@@ -17,8 +17,8 @@ from obscli.pipelines.request import NumericRequest, Progress, silent
 from obscli.pipelines.stage_result import StageChecks
 from obscli.pipelines.verify_experiment import verify_experiment
 from obscli.pipelines.verify_measures import check_measures
-from obscli.pipelines.verify_segments import verify_segments
 from obscli.pipelines.verify_report import VerifyReport
+from obscli.pipelines.verify_segments import verify_segments
 from obscli.pipelines.verify_stationary import check_stationary
 
 

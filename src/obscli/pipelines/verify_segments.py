@@ -1,7 +1,7 @@
 """What ``obscli verify`` checks of segments: bounds that meet, the Gramian over all of them, and claims.
 
-Algebra and balls decide claims; the Gramian is held against the rank. A claim about generic parameters needs a
-generic proof, one ``at: nominal`` a proof at the file's values.
+Algebra and balls decide claims; the Gramian is held against the rank. A claim about generic parameters
+needs a generic proof, one ``at: nominal`` a proof at the file's values.
 """
 
 from __future__ import annotations

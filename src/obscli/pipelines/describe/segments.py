@@ -41,8 +41,8 @@ COLUMNS: Final = (
     Column("gap", "right"),
 )
 LEGEND: Final = (
-    "proved: independent combinations so far, at least, by ball arithmetic at the file's values; Gramian: its "
-    "rank at the end of the segment, all before it included; then: whether the state jumps there."
+    "proved: independent combinations so far, at least, by ball arithmetic at the file's values; Gramian: "
+    "its rank at the end of the segment, all before it included; then: whether the state jumps there."
 )
 COMBINATION_COLUMNS: Final = (Column(align="right"), Column("combination", breaks=True))
 DIRECTION_COLUMNS: Final = (Column("#", "right"), Column("hidden all the way", breaks=True))
@@ -57,7 +57,9 @@ def segments_blocks(result: SegmentsResult | None) -> Iterator[Block]:
     yield Paragraph(plain(f"{count} one after the other, all {result.n} states carried through"))
     for text in summary(result.turns):
         yield Note("warning", plain(text))
-    yield Table(COLUMNS, tuple(_row(k, one) for k, one in enumerate(result.ends, 1)), (Text(LEGEND, "faint"),))
+    yield Table(
+        COLUMNS, tuple(_row(k, one) for k, one in enumerate(result.ends, 1)), (Text(LEGEND, "faint"),)
+    )
     found = result.proved
     if result.rank == result.n:
         yield Paragraph(plain("Every state is observable, and so is every combination."))
@@ -122,9 +124,8 @@ def _verdicts(result: SegmentsResult) -> Iterator[Block]:
         yield VerdictLine("good", plain(text))
     elif result.most is not None and result.least is not None:
         reason = result.certified.reason if result.certified else ""
-        text = (
-            f"undecided: at least {result.least} and at most {result.most} of {n} is proved at the file's values"
-        )
+        bounds = f"at least {result.least} and at most {result.most} of {n} is proved"
+        text = f"undecided: {bounds} at the file's values"
         yield VerdictLine("open", plain(f"{text}{': ' + reason if reason else ''}"))
     if isinstance(result.numeric, NotComputed):
         yield VerdictLine("open", plain(f"no Gramian over the segments: {result.numeric.reason}"))
