@@ -9,7 +9,15 @@ from types import MappingProxyType
 from typing import Final
 
 from obscli.core.place import ModelError, Place, Problem
-from obscli.model.claims import Origin, about, about_experiment, about_segments, claims_of, read_claims
+from obscli.model.claims import (
+    ClaimDraft,
+    Origin,
+    about,
+    about_experiment,
+    about_segments,
+    claims_of,
+    read_claims,
+)
 from obscli.model.compose import compose
 from obscli.model.covector import scope_of
 from obscli.model.draft import Draft
@@ -23,10 +31,10 @@ from obscli.model.nominal import check_linearize, read_linearize
 from obscli.model.options import Options, fixes, freed, selected, set_values
 from obscli.model.runs import Elaborated, experiment_of, requirements
 from obscli.model.sections import SYSTEM_KEYS, read_draft
-from obscli.model.segments import read_segments
+from obscli.model.segments import SegmentsDraft, read_segments
 from obscli.model.source import Source, checked, read_source
 from obscli.model.stages import Variants, read_stages
-from obscli.model.system import Claim, Model, System
+from obscli.model.system import Claim, Model, Segments, System
 from obscli.model.tree import Mapping as MappingNode
 from obscli.model.tree import Node, Scalar
 from obscli.model.trouble import Problems, shown
@@ -116,14 +124,7 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     claims = tuple(
         one for origin in ORIGINS for one in read_claims(_node(given, origin), origin, stages, problems)
     )
-    model = Model(
-        name=text_of(given.get("name"), "name", problems) or Path(source.file).stem,
-        file=Path(source.file),
-        systems=(),
-        title=text_of(given.get("title"), "title", problems),
-        description=text_of(given.get("description"), "description", problems),
-        source=text_of(given.get("source"), "source", problems),
-    )
+    model = _named(given, source, problems)
     known = _known(draft, stages)
     experiment = read_experiment(_node(given, "experiment"), known, problems)
     plan = read_plan(_node(given, "plan"), known, problems)
@@ -145,18 +146,41 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     chosen = tuple(selected(system, options, problems) for system in systems)
     elaborated = _elaborated(variants, options, chosen)
     found = experiment_of(experiment, plan, elaborated, problems)
-    subjects = _subjects(systems[0])
-    about_it = claims_of(about_experiment(claims, found, problems), scope, subjects, problems)
-    together = segments_of(segments, elaborated, problems)
-    about_it_all = about_segments(claims, problems, there=segments is not None)
+    about_it = claims_of(about_experiment(claims, found, problems), scope, _subjects(systems[0]), problems)
     return replace(
         model,
         systems=chosen,
         experiment=found,
         require=requirements(_node(given, "require"), chosen[0], wanted, problems),
         claims=about_it,
-        segments=together and replace(together, claims=claims_of(about_it_all, scope, subjects, problems)),
+        segments=_together(segments, claims, elaborated, systems[0], problems),
     )
+
+
+def _named(given: Fields, source: Source, problems: Problems) -> Model:
+    """Return the model with its names and texts, and nothing else yet."""
+    return Model(
+        name=text_of(given.get("name"), "name", problems) or Path(source.file).stem,
+        file=Path(source.file),
+        systems=(),
+        title=text_of(given.get("title"), "title", problems),
+        description=text_of(given.get("description"), "description", problems),
+        source=text_of(given.get("source"), "source", problems),
+    )
+
+
+def _together(
+    draft: SegmentsDraft | None,
+    claims: tuple[ClaimDraft, ...],
+    elaborated: Elaborated,
+    system: System,
+    problems: Problems,
+) -> Segments | None:
+    """Return the segments with the claims about them; ``system``: for the names in these."""
+    found = segments_of(draft, elaborated, problems)
+    about_them = about_segments(claims, problems, there=draft is not None)
+    evaluated = claims_of(about_them, scope_of(system), _subjects(system), problems)
+    return found and replace(found, claims=evaluated)
 
 
 def _elaborated(variants: Variants, options: Options, stages: Sequence[System]) -> Elaborated:
