@@ -148,3 +148,28 @@ def test_claims_without_segments_are_reported(obscli, model):
     outcome = obscli("verify", model(text))
     assert outcome.status == 2
     assert "there are no `segments` in this file" in outcome.err
+
+
+def test_measures_are_those_of_the_end(obscli, model):
+    outcome = obscli("measures", model(MODEL), "--segments", "--format", "json")
+    (found,) = json.loads(outcome.out)["results"]
+    (simulated,) = json.loads(obscli("simulate", model(MODEL), "--segments", "--format", "json").out)[
+        "results"
+    ]
+    history = simulated["simulate"]["history"]["standard_deviation"]
+    end = found["measures"]
+    for state in ("p", "v", "b"):
+        assert end["states"][state]["standard-deviation"] == pytest.approx(history[state][-1])
+    assert "one of the system in force" in outcome.out
+
+
+def test_the_gramian_measured_is_that_of_the_whole_way(obscli, model):
+    """Looking at p alone for 3 from p(2), v(2), b: singular values do not know what went before."""
+    looks = "states: [p, v, b]\ndynamics: {p: v, v: b}\nmeasurements: {y: p}\ninterval: {start: 2, stop: 5}\n"
+    options = ("--select", "gramian-singular-values", "--format", "json")
+    (one,) = json.loads(obscli("measures", model(MODEL), "--segments", *options).out)["results"]
+    (other,) = json.loads(obscli("measures", model(looks), *options).out)["results"]
+    values = [
+        [k["value"] for k in of["measures"]["system"]["gramian-singular-values"]] for of in (one, other)
+    ]
+    assert values[0] == pytest.approx(values[1], rel=1e-9)

@@ -15,6 +15,7 @@ from obscli.cli.options import (
     OutputOption,
     OutputsOption,
     PlotOption,
+    SegmentsOption,
     SetOption,
     StageOption,
     StrictOption,
@@ -37,6 +38,7 @@ def measures(  # noqa: PLR0913 - one parameter an option
     form: FormatOption = "terminal",
     output: OutputOption = None,
     stage: StageOption = None,
+    segments: SegmentsOption = False,
     settings: SetOption = None,
     fix: FixBeforeOption = None,
     outputs: OutputsOption = None,
@@ -106,6 +108,7 @@ def measures(  # noqa: PLR0913 - one parameter an option
         numeric=NumericRequest(start=start, stop=stop),
         step=step,
         curves=plot is not None,
+        segments=segments,
     )
     with refusals(), ProgressLine() as progress:
         report = run(model, request=request, changes=changes, progress=progress)

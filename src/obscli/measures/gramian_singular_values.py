@@ -14,20 +14,13 @@ import numpy as np
 
 from obscli.measures.measure import Direction, Found, Measure, NotMeasuredError
 from obscli.measures.subject import Subject
-from obscli.numeric.analysis import affordable_steps
-from obscli.numeric.rates import rates_of
-from obscli.numeric.settings import STEP_ERROR, Effort
-from obscli.numeric.square_root import square_root_gramian
 
 
 def gramian_singular_values(subject: Subject) -> Found:
     """Return the eigenvalues of W with their vectors, the largest first."""
-    numeric = subject.numeric
     if subject.at <= subject.start:
         raise NotMeasuredError("the Gramian over no time at all is zero: choose a later instant (--at)")
-    rates = rates_of(numeric, np.linspace(subject.start, subject.at, 18)[1:-1])
-    effort = Effort(STEP_ERROR["square-root"], affordable_steps(numeric))
-    gramian = square_root_gramian(numeric, subject.start, np.array([subject.at]), rates, effort)
+    gramian = subject.gramian
     factors = (subject.units / gramian.units[0])[None]
     scaled = gramian.in_units(factors)
     _, values, right = np.linalg.svd(scaled.matrices[0])

@@ -8,12 +8,14 @@ at the end of a segment belongs to it, and is taken before the jump.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from obscli.numeric.kalman import deviations, followed
 from obscli.numeric.linear_forms import Forms
+from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import Array
 from obscli.numeric.progress import Progress, silent
 from obscli.numeric.sampled_system import SampledSystem, timeline_of
@@ -76,37 +78,63 @@ def segment_history(
     NotComputableError
         where a state has no P0, or a segment cannot be integrated
     """
-    total = pieces[-1].stop - pieces[0].start
+    first = SampledSystem(pieces[0].system, schedules[0])
+    prior = deviations(forms.at(first.numeric, np.array([pieces[0].start]))[0], first.prior)
     found: list[tuple[float, Array, Array]] = []
-    roots: tuple[Array, Array] | None = None
-    prior: Array | None = None
-    samples, complete, jumped = 0, True, True
+    complete = True
     try:
-        for piece, schedule in zip(pieces, schedules, strict=True):
-            sampled = SampledSystem(piece.system, schedule)
-            timeline = timeline_of([sampled], schedule)
-            marks = timeline.marks(max(_FEWEST, round(recorded * (piece.stop - piece.start) / total)))
-            marks[0] &= jumped
-            at = np.flatnonzero(marks)
-            rows = dict(zip(at.tolist(), forms.at(sampled.numeric, timeline.t[at]), strict=True))
-            if roots is None:
-                roots = (sampled.prior, sampled.prior)
-                prior = deviations(forms.at(sampled.numeric, timeline.t[:1])[0], sampled.prior)
-            for known in followed(sampled, timeline, marks, roots, progress):
-                row = rows[known.index]
-                t = float(timeline.t[known.index])
-                found.append((t, deviations(row, known.root), deviations(row, known.open_loop)))
-                roots = (known.root, known.open_loop)
-            roots = (roots[0], compressed([roots[1]]))
-            samples += schedule.samples
-            jumped = piece.jump is not None
-            if piece.jump is not None:
-                roots = (piece.jump @ roots[0], piece.jump @ roots[1])
+        for one in _followed(pieces, schedules, recorded, progress):
+            row = forms.at(one.numeric, np.array([one.t]))[0]
+            found.append((one.t, deviations(row, one.root), deviations(row, one.open_loop)))
     except KeyboardInterrupt:
         complete = False
     k, r = len(found), len(forms.names)
     times = np.array([one[0] for one in found])
     closed = np.array([one[1] for one in found]).reshape(k, r)
     opened = np.array([one[2] for one in found]).reshape(k, r)
-    before = np.full(r, np.nan) if prior is None else prior
-    return History(forms.names, forms.kinds, times, closed, opened, before, samples, complete)
+    samples = sum(one.samples_until(times) for one in schedules)
+    return History(forms.names, forms.kinds, times, closed, opened, prior, samples, complete)
+
+
+def segment_roots(pieces: Sequence[Piece], schedules: Sequence[Schedule]) -> tuple[Array, Array, Array]:
+    """Return L with P = L Lᵀ at the start, at the end of the last segment, and there of the open loop.
+
+    Raises
+    ------
+    NotComputableError
+        as ``segment_history``
+    """
+    *_, last = _followed(pieces, schedules, 0, silent)
+    return SampledSystem(pieces[0].system, schedules[0]).prior, last.root, compressed([last.open_loop])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Known:
+    """What is known at an instant of a segment: L, and that of the open loop."""
+
+    numeric: NumericSystem
+    t: float
+    root: Array
+    open_loop: Array
+
+
+def _followed(
+    pieces: Sequence[Piece], schedules: Sequence[Schedule], recorded: int, progress: Progress
+) -> Iterator[_Known]:
+    """Yield what is known at instants, the end of every segment and what is after a jump among them."""
+    total = pieces[-1].stop - pieces[0].start
+    roots: tuple[Array, Array] | None = None
+    jumped = True
+    for piece, schedule in zip(pieces, schedules, strict=True):
+        sampled = SampledSystem(piece.system, schedule)
+        roots = roots or (sampled.prior, sampled.prior)
+        timeline = timeline_of([sampled], schedule)
+        marks = timeline.marks(max(_FEWEST, round(recorded * (piece.stop - piece.start) / total)))
+        marks[0] &= jumped
+        for known in followed(sampled, timeline, marks, roots, progress):
+            yield _Known(sampled.numeric, float(timeline.t[known.index]), known.root, known.open_loop)
+            last = (known.root, known.open_loop)
+        roots = (last[0], compressed([last[1]]))
+        jumped = piece.jump is not None
+        if piece.jump is not None:
+            roots = (piece.jump @ roots[0], piece.jump @ roots[1])

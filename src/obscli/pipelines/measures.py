@@ -9,26 +9,26 @@ from typing import Final
 import numpy as np
 
 from obscli.exact.analysis import analyze
-from obscli.exact.finding import Analysis, LinearFormVerdict, Undecided
+from obscli.exact.finding import Undecided
 from obscli.exact.why import LIGHT
 from obscli.measures.catalogue import BY_KEY, MEASURES
 from obscli.measures.covariances import bounds_at, covariances, sampled_instants, shares
 from obscli.measures.measure import Found, Measure, Option
-from obscli.measures.subject import Subject, Target
+from obscli.measures.subject import Subject
 from obscli.measures.taking import in_units, ranked, reverses, take
 from obscli.model.covector import parse_scalar
-from obscli.model.expression import ONE, is_one
-from obscli.model.notation import covector_text
 from obscli.model.specialise import at_nominal
-from obscli.model.system import Covector, Model, Requirement, System
+from obscli.model.system import Model, Requirement, System
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.horizon import Horizon, horizon_of
 from obscli.numeric.numeric_system import NumericSystem, constants_of
 from obscli.numeric.program import Array, constant_value
 from obscli.numeric.scaling import sizes_of
+from obscli.pipelines.measure_targets import targets_of
 from obscli.pipelines.measures_report import MeasuresReport
 from obscli.pipelines.measures_result import Curves, Limit, MeasuresResult, Reordering, Taken
+from obscli.pipelines.measures_segments import measure_segments
 from obscli.pipelines.numerical import settings_of
 from obscli.pipelines.reading import chosen_systems, unknown
 from obscli.pipelines.request import Changes, MeasureScaling, MeasuresRequest, Progress, RequestError, silent
@@ -59,8 +59,21 @@ def measures(
     ModelError
         where an instant is no expression in the names of the system
     """
+    if request.segments:
+        return MeasuresReport((_measured_segments(model, request, progress),), changes)
     systems = chosen_systems(model, request.stages)
     return MeasuresReport(tuple(measure_stage(model, one, request, progress) for one in systems), changes)
+
+
+def _measured_segments(model: Model, request: MeasuresRequest, progress: Progress) -> MeasuresResult:
+    """Measure the segments of a model at their end; raises as ``measures``."""
+    chosen = _chosen(request.select)
+    options, thresholds = _options(chosen, request.options), _thresholds(request.thresholds)
+    found = measure_segments(model, request, chosen, options, progress)
+    if not isinstance(found.taken, tuple):
+        return found
+    last = found.taken[-1]
+    return replace(found, limits=(*_required(model, last), *_held(last, thresholds)))
 
 
 def measure_stage(
@@ -246,49 +259,6 @@ def _other_scalings(system: System, own: MeasureScaling) -> Iterator[MeasureScal
             continue
         if other != own and not np.array_equal(sizes, sizes_of(system, own)):
             yield other
-
-
-def targets_of(system: System, analysis: Analysis, generic: Analysis | Undecided) -> tuple[Target, ...]:
-    """Return states, quantities and the combinations that are no single state, with what is known of each.
-
-    Parameters
-    ----------
-    system : as the file has it
-    analysis : of the system at the file's values
-    generic : of the system; its combinations are shown where they tell the same at the file's values
-    """
-    alike = (
-        isinstance(generic, Analysis) and generic.rank == analysis.rank and generic.states == analysis.states
-    )
-    shown = generic.combinations if alike and isinstance(generic, Analysis) else analysis.combinations
-    there = at_nominal(system)
-    states = [
-        Target(name, "state", {name: ONE}, analysis.states[name] == "observable")
-        for name in system.state_names
-    ]
-    quantities = [
-        Target(one.name, "quantity", there.covector(one.coefficients), _known(verdict.verdict))
-        for one, verdict in zip(system.quantities, analysis.quantities, strict=True)
-    ]
-    combinations = [
-        Target(
-            covector_text(one.coefficients, system.state_names),
-            "combination",
-            one.coefficients,
-            observable=True,
-        )
-        for one in shown
-        if not _is_state(one.coefficients)
-    ]
-    return (*states, *quantities, *combinations)
-
-
-def _known(verdict: LinearFormVerdict) -> bool | None:
-    return None if verdict == "undecided" else verdict == "observable"
-
-
-def _is_state(covector: Covector) -> bool:
-    return len(covector) == 1 and all(is_one(entry) for entry in covector.values())
 
 
 def _required(model: Model, taken: Taken) -> Iterator[Limit]:

@@ -144,7 +144,7 @@ class MeasuresRequest:
 
     ``at``: instants as expressions, empty: the end of the interval; ``options``: as text,
     ``{"least-squares.dt": "1"}``; ``thresholds``: a number by key of a measure; ``step``: seconds between
-    samples; ``curves``: find what the figures show.
+    samples; ``curves``: find what the figures show; ``segments``: only the segments, at their end.
     """
 
     stages: tuple[str, ...] = ()
@@ -156,6 +156,7 @@ class MeasuresRequest:
     numeric: NumericRequest = NumericRequest()
     step: float | None = None
     curves: bool = False
+    segments: bool = False
 
 
 #: The parts of an explanation that can be asked for alone.
