@@ -190,7 +190,7 @@ def plan(
     from obscli.pipelines import plan as plan_pipeline  # noqa: PLC0415 - floating point only where it is used
 
     found = plan_pipeline.plan(_read(model, changes), request, changes, progress)
-    return PlanReport(found.results, found.changes)
+    return PlanReport(found.results, found.changes, found.segments)
 
 
 def measure(

@@ -173,3 +173,59 @@ def test_the_gramian_measured_is_that_of_the_whole_way(obscli, model):
         [k["value"] for k in of["measures"]["system"]["gramian-singular-values"]] for of in (one, other)
     ]
     assert values[0] == pytest.approx(values[1], rel=1e-9)
+
+
+MANOEUVRES = """\
+states: [p, q, r]
+stages:
+  wait: {A: [[0, 0, 0], [0, 0, 0], [0, 0, 0]], H: [[0, 0, 0]]}
+  drive: {A: [[0, 1, 0], [0, 0, 0], [0, 0, 0]], H: [[0, 0, 0]]}
+  turn: {A: [[0, 0, 1], [0, 0, 0], [0, 0, 0]], H: [[1, 0, 0]]}
+  look: {A: [[0, 0, 0], [0, 0, 0], [0, 0, 0]], H: [[1, 0, 0]]}
+segments:
+  - {stage: wait, duration: 5}
+  - {stage: turn, duration: 2}
+  - {stage: wait, name: again, duration: 5}
+  - {stage: drive, duration: 1}
+  - {stage: look, duration: 1}
+"""
+
+
+def test_plan_finds_the_shortest_order(obscli, model):
+    """The turn shows p and r as it goes, or p + q and r after the drive; q needs a look on either side of it."""
+    outcome = obscli("plan", model(MANOEUVRES), "--segments", "--format", "json")
+    orders = json.loads(outcome.out)["orders"]
+    assert (orders["rank"], orders["target"], orders["complete"]) == (3, 3, True)
+    assert [one["segments"] for one in orders["best"]] == [
+        ["turn", "drive", "look"],
+        ["look", "drive", "turn"],
+    ]
+    assert [(one["duration"], one["at_least"]) for one in orders["best"]] == [
+        (4.0, [2, 2, 3]),
+        (4.0, [1, 1, 3]),
+    ]
+    assert "proved: 3 of 3 are shown by 3 segments" in obscli("plan", model(MANOEUVRES), "--segments").out
+
+
+def test_plan_leaves_out_what_would_turn_in_no_time(obscli, model):
+    """Standing at 0 and at pi/2 is an order only by way of the turn."""
+    text = """\
+parameters: {a: 0, w: 0.1}
+states: [tilt, bias, rest]
+let: {R: rotz(a)}
+dynamics: {tilt: "R[1,1]*bias"}
+measurements: {y: "R[1,1]*tilt + R[2,1]*rest"}
+stages: {stands: {}, turns: {let: {R: rotz(a + w*t)}, measurements: {y: 0*tilt}}}
+segments:
+  - {stage: turns, name: turn, duration: pi/2/w, fix: {a: 0}}
+  - {stage: stands, name: end, duration: 1, fix: {a: pi/2}}
+  - {stage: stands, name: first, duration: 1, fix: {a: 0}}
+"""
+    orders = json.loads(obscli("plan", model(text), "--segments", "--format", "json").out)["orders"]
+    assert [one["segments"] for one in orders["best"]] == [["first", "turn", "end"]]
+
+
+def test_plan_does_not_move_jumps(obscli, model):
+    outcome = obscli("plan", model(MODEL), "--segments")
+    assert outcome.status == 2
+    assert "the jump after drive is one between two segments" in " ".join(outcome.err.split())

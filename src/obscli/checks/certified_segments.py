@@ -93,7 +93,7 @@ def _after_each(segments: Segments, most: int, bits: int) -> tuple[int, ...]:
     """Return the number of independent rows after each segment; once all are there nothing is followed."""
     first = segments.parts[0].system
     values = at_nominal(first)
-    echelon = _Echelon()
+    echelon = Echelon()
     found: list[int] = []
     tolerance = arb(2) ** (-(3 * bits) // 4)
     carried = _identity(first.n)
@@ -118,11 +118,20 @@ def _identity(n: int) -> arb_mat:
     return arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
 
 
-class _Echelon:
+class Echelon:
     """Rows eliminated as they come: each one kept has a pivot that excludes zero."""
 
-    def __init__(self) -> None:
-        self._rows: list[tuple[int, list[arb]]] = []
+    def __init__(self, rows: Iterable[tuple[int, list[arb]]] = ()) -> None:
+        self._rows: list[tuple[int, list[arb]]] = list(rows)
+
+    def copy(self) -> Echelon:
+        """Return one that goes its own way from here."""
+        return Echelon(self._rows)
+
+    @property
+    def rows(self) -> list[list[arb]]:
+        """The rows kept."""
+        return [row for _, row in self._rows]
 
     @property
     def rank(self) -> int:

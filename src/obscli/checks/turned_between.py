@@ -76,24 +76,29 @@ def summary(turns: tuple[Turn, ...]) -> tuple[str, ...]:
 
 
 def _turns(segments: Segments, one: Segment, other: Segment) -> Iterator[Turn]:
-    moving = _moving(one.system, other.system)
+    moving = moving_states(one.system, other.system)
     first = segments.parts[0].system
     try:
         t = ball_number(first, at_nominal(first).expression(one.stop))
     except (KeyError, OutsideDomainError):
         return
-    if not moving:
-        return
-    before, after = _matrices(one.system), _matrices(other.system)
+    if moving:
+        for name, turn in rotations_apart(one.system, t, other.system, t):
+            yield Turn(name, one.name, other.name, float(t), _degrees(turn), moving)
+
+
+def rotations_apart(one: System, t: arb, other: System, s: arb) -> Iterator[tuple[str, arb_mat]]:
+    """Yield rotations that differ between two systems, each at an instant, with R⁺ Rᵀ; in ``precision``."""
+    before, after = _matrices(one), _matrices(other)
     for name in before.keys() & after.keys():
-        R, turned = _rotation(one.system, before[name], t), _rotation(other.system, after[name], t)
+        R, turned = _rotation(one, before[name], t), _rotation(other, after[name], s)
         if R is None or turned is None or R.nrows() != turned.nrows():
             continue
         if any(not entry.contains(0) for entry in (turned - R).entries()):
-            yield Turn(name, one.name, other.name, float(t), _degrees(turned * R.transpose()), moving)
+            yield name, turned * R.transpose()
 
 
-def _moving(*systems: System) -> tuple[str, ...]:
+def moving_states(*systems: System) -> tuple[str, ...]:
     """Return the states that move in any of the systems."""
     rows = {i for one in systems for i, _ in one.A.entries}
     return tuple(name for i, name in enumerate(systems[0].state_names) if i in rows)

@@ -106,10 +106,14 @@ class CalibrateRequest:
 
 @dataclass(frozen=True, slots=True)
 class PlanRequest:
-    """Which candidates (empty: all) to choose from; the options of the Gramians that check the choice."""
+    """Which candidates (empty: all) to choose from; the options of the Gramians that check the choice.
+
+    ``segments``: find orders of the file's segments instead.
+    """
 
     runs: tuple[str, ...] = ()
     numeric: NumericRequest = NumericRequest()
+    segments: bool = False
 
 
 #: What a system can be transformed to.
