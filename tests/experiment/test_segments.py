@@ -1,6 +1,7 @@
 """Segments together: laws that hold for any of them, and ranks of random systems by matrix exponentials."""
 
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -372,3 +373,22 @@ def test_outputs_from_start_need_a_closed_form():
         "states: [a, b]\nA: [[0, 1], [-1, 0]]\nH: [[1, 0]]\nsegments: [{duration: 1}]\n", "m.yaml"
     )
     assert outputs_from_start(waves.segments, waves.systems[0], silent) is None
+
+
+def test_no_more_coefficients_are_taken_than_the_series_have():
+    """A chain of 50 integrators: 42 terms at first, then enough of them; never more than there is to see."""
+    names = [f"x{k}" for k in range(50)]
+    rows = ", ".join(f"{a}: {b}" for a, b in pairwise(names))
+    chain = f"states: [{', '.join(names)}]\ndynamics: {{{rows}}}\nmeasurements: {{y: x0}}\nsegments: [{{duration: 1}}]\n"
+    segments = read_text(chain, "m.yaml").segments
+    assert certified_segments(segments, 50, attempts=(128,)).rank == 42
+    assert certified_segments(segments, 50).rank == 50
+    blind = chain.replace("y: x0", "y: x20")
+    assert certified_segments(read_text(blind, "m.yaml").segments, 50).rank == 30
+
+
+def test_a_state_left_out_leaves_its_jump():
+    text = TURNING + 'segments:\n  - {duration: 1, jump: {c: "c + 2*a", b: "b - c"}}\n  - {duration: 2}\n'
+    segments = read_text(text, "m.yaml", without=["c"], outputs=["y"]).segments
+    assert segments.parts[0].system.state_names == ("a", "b")
+    np.testing.assert_array_equal(pieces_of(segments)[0].jump, np.eye(2))

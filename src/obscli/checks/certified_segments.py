@@ -103,6 +103,8 @@ def _after_each(segments: Segments, most: int, bits: int) -> tuple[int, ...]:
             motion = BallSegment(at_nominal(one.system).system(), bits // _TERMS)
             for rows in motion.rows(begin, first.n):
                 echelon.add((rows * carried).tolist())
+        found.append(echelon.rank)
+        if echelon.rank < most and one is not segments.parts[-1]:
             end = ball_number(first, values.expression(one.stop))
             duration = ball_number(first, values.expression(one.duration))
             carried = motion.transition(begin, duration, tolerance) * carried
@@ -110,7 +112,6 @@ def _after_each(segments: Segments, most: int, bits: int) -> tuple[int, ...]:
                 jump = {at: values.expression(entry) for at, entry in one.jump.entries.items()}
                 carried = ball_matrix(first, Matrix(first.n, first.n, jump)) * carried
             begin = end
-        found.append(echelon.rank)
     return tuple(found)
 
 

@@ -69,7 +69,7 @@ class BallSegment:
         self._row = {i: k for k, i in enumerate(self._moving)}
 
     def rows(self, t: arb, orders: int) -> list[arb_mat]:
-        """Return the coefficients of s^k, k < orders, of H(t + s) Φ(t + s, t), each (m, n).
+        """Return the coefficients of s^k, k < orders (at most K), of H(t + s) Φ(t + s, t), each (m, n).
 
         Raises
         ------
@@ -78,15 +78,17 @@ class BallSegment:
         KeyError
             naming a parameter or function without a value
         """
+        orders = min(orders, self._terms)
         point = BallTime(self._system, t, orders + 1)
         X = self._series(point, self._identity(), orders)
         n, m = self._system.n, self._system.m
-        H = [arb_mat(m, n) for _ in range(orders)]
+        H: list[arb_mat] = [arb_mat(m, n) for _ in range(orders)]
         for (i, j), entry in self._system.H.entries.items():
             for k, one in enumerate(_coefficients(point, entry, orders)):
                 H[k][i, j] = one
         whole = [self._whole(own, first=not k) for k, own in enumerate(X)]
-        return [_total(H[i] * whole[k - i] for i in range(k + 1)) for k in range(orders)]
+        moving = [i for i, own in enumerate(H) if i == 0 or not _is_zero(own)]
+        return [_total(H[i] * whole[k - i] for i in moving if i <= k) for k in range(orders)]
 
     def transition(self, start: arb, duration: arb, tolerance: arb) -> arb_mat:
         """Return Φ(start + duration, start); every step's remainder is below the tolerance.
@@ -147,13 +149,14 @@ class BallSegment:
     def _series(self, point: BallTime, start: arb_mat, count: int) -> list[arb_mat]:
         """Return the moving rows of X_0 = start, X_1, …, so many."""
         A = self._coefficients_of(point, max(count - 1, 1))
-        inner = [self._moving_columns(own) for own in A]
+        inner = {i: self._moving_columns(own) for i, own in enumerate(A) if not _is_zero(own)}
         still = [self._still_columns(own) for own in A]
         X = [start]
         for k in range(count - 1):
             total = still[k]
             for i in range(k + 1):
-                total = total + inner[i] * X[k - i]
+                if i in inner:
+                    total = total + inner[i] * X[k - i]
             X.append(total / (k + 1))
         return X
 
@@ -240,6 +243,10 @@ def _rational(ball: arb) -> Fraction:
 
 def _exact(value: Fraction) -> arb:
     return arb(fmpq(value.numerator, value.denominator))
+
+
+def _is_zero(matrix: arb_mat) -> bool:
+    return all(entry.is_zero() for entry in matrix.entries())
 
 
 def _total(parts: Iterable[arb_mat]) -> arb_mat:

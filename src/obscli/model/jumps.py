@@ -8,10 +8,10 @@ expressions in the parameters of the first segment: where another one has anothe
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Final
+from typing import Final, TypeAlias
 
 from obscli.model.constant import unmoving
 from obscli.model.covector import scope_of
@@ -46,8 +46,20 @@ from obscli.model.trouble import Problems, nearest, shown
 NEXT: Final = "_next"
 
 
-def segments_of(draft: SegmentsDraft | None, elaborated: Elaborated, problems: Problems) -> Segments | None:
-    """Return the segments of a file; None where there are none, or one is wrong (which is reported)."""
+#: Leaves out outputs and states of a system.
+Narrowed: TypeAlias = Callable[[System], System]
+
+
+def segments_of(
+    draft: SegmentsDraft | None, elaborated: Elaborated, narrowed: Narrowed, problems: Problems
+) -> Segments | None:
+    """Return the segments of a file; None where there are none, or one is wrong (which is reported).
+
+    Parameters
+    ----------
+    elaborated : makes the whole system of a segment; jumps are read in its names
+    narrowed : leaves out what is left out of all systems
+    """
     if draft is None:
         return None
     systems = [elaborated(one.run, problems) for one in draft.parts]
@@ -56,7 +68,7 @@ def segments_of(draft: SegmentsDraft | None, elaborated: Elaborated, problems: P
         return None
     given = whole[0].interval
     start = (given.start if given else None) or ZERO
-    parts, stop = [], start
+    parts, stop, seen = [], start, {id(one): narrowed(one) for one in whole}
     for k, (one, system) in enumerate(zip(draft.parts, whole, strict=True)):
         duration = _duration(one, system, problems)
         if duration is None:
@@ -67,8 +79,8 @@ def segments_of(draft: SegmentsDraft | None, elaborated: Elaborated, problems: P
         jump = None
         if one.jump is not None:
             found = _jump(one, system, following, problems)
-            jump = found and _at(found, system, whole[0], stop)
-        run = Run(one.run.name, system, one.run.stage, one.run.node.place, fixed=tuple(one.run.fix))
+            jump = found and _kept(_at(found, system, whole[0], stop), system, seen[id(system)])
+        run = Run(one.run.name, seen[id(system)], one.run.stage, one.run.node.place, fixed=tuple(one.run.fix))
         parts.append(Segment(run, duration, stop, jump))
     return Segments(start, tuple(parts), draft.node.place)
 
@@ -106,6 +118,14 @@ def _jump(one: SegmentDraft, system: System, following: System | None, problems:
     }
     _refuse_functions(one, system, entries.values(), path, problems)
     return Matrix(system.n, system.n, entries)
+
+
+def _kept(jump: Matrix, system: System, narrow: System) -> Matrix:
+    """Return the rows and columns of J of the states that are not left out."""
+    place = {name: k for k, name in enumerate(narrow.state_names)}
+    at = {j: place[name] for j, name in enumerate(system.state_names) if name in place}
+    entries = {(at[i], at[j]): one for (i, j), one in jump.entries.items() if i in at and j in at}
+    return Matrix(narrow.n, narrow.n, entries)
 
 
 def _at(jump: Matrix, system: System, first: System, stop: Expression) -> Matrix:

@@ -153,7 +153,7 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
         experiment=found,
         require=requirements(_node(given, "require"), chosen[0], wanted, problems),
         claims=about_it,
-        segments=_together(segments, claims, elaborated, systems[0], problems),
+        segments=_together(segments, claims, variants, options, systems, problems),
     )
 
 
@@ -172,12 +172,15 @@ def _named(given: Fields, source: Source, problems: Problems) -> Model:
 def _together(
     draft: SegmentsDraft | None,
     claims: tuple[ClaimDraft, ...],
-    elaborated: Elaborated,
-    system: System,
+    variants: Variants,
+    options: Options,
+    systems: Sequence[System],
     problems: Problems,
 ) -> Segments | None:
-    """Return the segments with the claims about them; ``system``: for the names in these."""
-    found = segments_of(draft, elaborated, problems)
+    """Return the segments with the claims about them; ``systems``: the whole ones of the stages."""
+    whole = _elaborated(variants, replace(options, outputs=(), without=()), systems)
+    found = segments_of(draft, whole, lambda one: selected(one, options, problems), problems)
+    system = systems[0]
     about_them = about_segments(claims, problems, there=draft is not None)
     evaluated = claims_of(about_them, scope_of(system), _subjects(system), problems)
     return found and replace(found, claims=evaluated)
