@@ -154,7 +154,7 @@ def analyze(
         if changes.fix:
             unfixed = load_changed(model, Changes(changes.settings, {}, changes.outputs, changes.without))
         found = analyze_pipeline.analyze(changed, request, changes, unfixed, progress)
-    return AnalyzeReport(found.results, found.changes)
+    return AnalyzeReport(found.results, found.changes, found.segments)
 
 
 def calibrate(
@@ -196,7 +196,7 @@ def plan(
     from obscli.pipelines import plan as plan_pipeline  # noqa: PLC0415 - floating point only where it is used
 
     found = plan_pipeline.plan(_read(model, changes), request, changes, progress)
-    return PlanReport(found.results, found.changes)
+    return PlanReport(found.results, found.changes, found.segments)
 
 
 def measure(

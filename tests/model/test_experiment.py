@@ -295,7 +295,7 @@ def test_too_many_runs(text, monkeypatch):
 
 def test_a_hundred_thousand_combinations_are_not_written_out(monkeypatch):
     made = []
-    monkeypatch.setattr("obscli.model.experiment._label", lambda *_: made.append(1) or "x")
+    monkeypatch.setattr("obscli.model.experiment.label", lambda *_: made.append(1) or "x")
 
     axes = ", ".join(f"{name}: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]" for name in ("w", "g", "f1", "f2", "h"))
     model = MODEL.replace("g: 9.8", "g: 9.8, h: 1")

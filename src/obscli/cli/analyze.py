@@ -27,6 +27,7 @@ from obscli.cli.options import (
     RtolOption,
     SamplesOption,
     ScalingOption,
+    SegmentsOption,
     SetOption,
     StageOption,
     StrictOption,
@@ -49,6 +50,7 @@ def analyze(  # noqa: PLR0913 - one parameter an option
     form: FormatOption = "terminal",
     output: OutputOption = None,
     stage: StageOption = None,
+    segments: SegmentsOption = False,
     settings: SetOption = None,
     fix: FixOption = None,
     outputs: OutputsOption = None,
@@ -101,6 +103,7 @@ def analyze(  # noqa: PLR0913 - one parameter an option
         dual=dual,
         frozen_at=frozen_at,
         certify=certify,
+        segments=segments,
     )
     with refusals(), ProgressLine() as progress:
         report = run(model, request=request, changes=changes, progress=progress)

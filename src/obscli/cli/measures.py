@@ -17,6 +17,7 @@ from obscli.cli.options import (
     OutputOption,
     OutputsOption,
     PlotOption,
+    SegmentsOption,
     SetOption,
     StageOption,
     StrictOption,
@@ -56,6 +57,7 @@ def measures(  # noqa: PLR0913 - one parameter an option
     form: FormatOption = "terminal",
     output: OutputOption = None,
     stage: StageOption = None,
+    segments: SegmentsOption = False,
     settings: SetOption = None,
     fix: FixBeforeOption = None,
     outputs: OutputsOption = None,
@@ -142,6 +144,7 @@ def measures(  # noqa: PLR0913 - one parameter an option
             numeric=numeric,
             step=step,
             curves=plot is not None,
+            segments=segments,
         )
     with refusals(), ProgressLine() as progress:
         report = _run(model, request, changes, progress)

@@ -325,6 +325,19 @@ CertifyOption: TypeAlias = Annotated[
         "where the system is reducible to a stationary one.",
     ),
 ]
+SegmentsOption: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--segments", help="Only the segments of the file, one after the other, the state carried through."
+    ),
+]
+OrdersOption: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--segments",
+        help="Instead: the shortest orders of the file's segments, the state carried through.",
+    ),
+]
 StrictOption: TypeAlias = Annotated[
     bool,
     typer.Option("--strict", help="Exit with code 4 where something stays undecided."),

@@ -10,6 +10,7 @@ import typer
 from obscli.cli.options import (
     FormatOption,
     MoreOption,
+    OrdersOption,
     OutputOption,
     OutputsOption,
     PlotOption,
@@ -33,6 +34,7 @@ def plan(  # noqa: PLR0913 - one parameter an option
     form: FormatOption = "terminal",
     output: OutputOption = None,
     run: RunOption = None,
+    segments: OrdersOption = False,
     settings: SetOption = None,
     fix: RunFixOption = None,
     outputs: OutputsOption = None,
@@ -58,7 +60,7 @@ def plan(  # noqa: PLR0913 - one parameter an option
         start=None, stop=None, samples=samples, times=None, method="square-root", rtol=rtol, scaling=scaling
     )
     changes = Changes(pairs("--set", settings), pairs("--fix", fix), names(outputs), names(without))
-    request = PlanRequest(runs=tuple(run or ()), numeric=numeric)
+    request = PlanRequest(runs=tuple(run or ()), numeric=numeric, segments=segments)
     with refusals(), ProgressLine() as progress:
         report = run_pipeline(model, request=request, changes=changes, progress=progress)
         draw(report, plot, progress)

@@ -21,6 +21,7 @@ from obscli.cli.options import (
     RandomRunsOption,
     RecordedOption,
     SeedOption,
+    SegmentsOption,
     SetOption,
     StageOption,
     StepOption,
@@ -39,6 +40,7 @@ def simulate(  # noqa: PLR0913 - one parameter an option
     form: FormatOption = "terminal",
     output: OutputOption = None,
     stage: StageOption = None,
+    segments: SegmentsOption = False,
     settings: SetOption = None,
     fix: FixBeforeOption = None,
     outputs: OutputsOption = None,
@@ -92,6 +94,7 @@ def simulate(  # noqa: PLR0913 - one parameter an option
         runs=runs,
         seed=seed,
         fraction=fraction,
+        segments=segments,
         numeric=NumericRequest(start=start, stop=stop),
     )
     with refusals(), ProgressLine() as progress:

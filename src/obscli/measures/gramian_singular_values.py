@@ -18,12 +18,6 @@ from obscli.measures.in_range import as_double
 from obscli.measures.measure import Direction, Found, Measure, NotMeasuredError
 from obscli.measures.root_spectrum import RootSpectrum, root_spectrum
 from obscli.measures.subject import Subject
-from obscli.numeric.analysis import affordable_steps
-from obscli.numeric.discrete_gramian import discrete_gramian
-from obscli.numeric.gramian import Gramian
-from obscli.numeric.rates import rates_of
-from obscli.numeric.settings import STEP_ERROR, Effort
-from obscli.numeric.square_root import square_root_gramian
 
 
 #: Singular values whose relative error is below this have four digits, and their squares.
@@ -32,18 +26,9 @@ _KNOWN: Final = 5e-5
 
 def gramian_singular_values(subject: Subject) -> Found:
     """Return the eigenvalues of W with their vectors, the largest first."""
-    numeric = subject.numeric
-    if subject.system.discrete:
-        return _found(subject, discrete_gramian(numeric, np.array([subject.start]), subject.at))
-    if subject.at <= subject.start:
+    if subject.at <= subject.start and not subject.system.discrete:
         raise NotMeasuredError("the Gramian over no time at all is zero: choose a later instant (--at)")
-    rates = rates_of(numeric, np.linspace(subject.start, subject.at, 18)[1:-1])
-    effort = Effort(STEP_ERROR["square-root"], affordable_steps(numeric))
-    return _found(subject, square_root_gramian(numeric, subject.start, np.array([subject.at]), rates, effort))
-
-
-def _found(subject: Subject, gramian: Gramian) -> Found:
-    """Return the eigenvalues of one Gramian."""
+    gramian = subject.gramian
     spectrum = root_spectrum(
         gramian.matrices[0], gramian.error[0], subject.units / gramian.units[0], subject.rank
     )

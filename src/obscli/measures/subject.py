@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, TypeAlias
+from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
@@ -19,10 +19,18 @@ from obscli.measures.covariances import Covariances, covariances
 from obscli.measures.local import Local, local
 from obscli.model.expression import Expression, negate
 from obscli.model.system import Covector, System
+from obscli.numeric.analysis import affordable_steps
+from obscli.numeric.discrete_gramian import discrete_gramian
+from obscli.numeric.gramian import Gramian
 from obscli.numeric.hidden_motion import named
 from obscli.numeric.numeric_system import NumericSystem, derivative_orders
 from obscli.numeric.program import Array, Counts, Flags, Program
+from obscli.numeric.rates import rates_of
+from obscli.numeric.settings import STEP_ERROR, Effort
+from obscli.numeric.square_root import square_root_gramian
 
+
+_PROBES: Final = 18
 
 #: What a target is to the reader.
 TargetKind: TypeAlias = Literal["state", "quantity", "combination"]
@@ -101,6 +109,16 @@ class Subject:
     def covariances(self) -> Covariances:
         """Deviations at the instant; raises ``NotComputableError`` where the file does not give the noise."""
         return covariances(self, np.array([self.at]))
+
+    @cached_property
+    def gramian(self) -> Gramian:
+        """The Gramian over the interval; raises ``NotComputableError`` where it cannot be found."""
+        numeric = self.numeric
+        if self.system.discrete:
+            return discrete_gramian(numeric, np.array([self.start]), self.at)
+        rates = rates_of(numeric, np.linspace(self.start, self.at, _PROBES)[1:-1])
+        effort = Effort(STEP_ERROR["square-root"], affordable_steps(numeric))
+        return square_root_gramian(numeric, self.start, np.array([self.at]), rates, effort)
 
     def forms(self, t: float) -> Array:
         """Return the targets at an instant in the file's units, shape (k, n)."""

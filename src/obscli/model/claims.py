@@ -35,8 +35,8 @@ Origin = Literal["claims", "expect"]
 VERDICTS: Final = ("observable", "coupled", "unobservable")
 COMBINATIONS: Final = ("basis", "observable", "unobservable")
 CLAIM_KEYS: Final = (
-    "stage", "experiment", "runs", "at", "rank", *COMBINATIONS, "directions", "states", "determined",
-    "detectable",
+    "stage", "experiment", "runs", "segments", "at", "rank", *COMBINATIONS, "directions", "states",
+    "determined", "detectable",
 )  # fmt: skip
 EXPECT_KEYS: Final = (*CLAIM_KEYS, "measures", "require", "stationary")
 
@@ -59,6 +59,7 @@ class ClaimDraft:
     required: tuple[RequiredDraft, ...]
     stationary: ExpectedStationary | None = None
     known: tuple[str, ...] | None = None  # the runs there are, where somebody knows
+    segments: bool = False
 
 
 def read_claims(
@@ -102,12 +103,24 @@ def _read(node: Node, origin: Origin, path: str, stages: Collection[str], proble
         read_measures(given["measures"][1], f"{path}.measures", problems) if "measures" in given else (),
         read_required(given["require"][1], f"{path}.require", problems) if "require" in given else (),
         _stationary(given, path, problems),
+        segments=_segments(given, path, problems),
     )  # fmt: skip
 
 
 def _stationary(given: Fields, path: str, problems: Problems) -> ExpectedStationary | None:
     node = given["stationary"][1] if "stationary" in given else None
     return read_stationary(node, f"{path}.stationary", problems)
+
+
+def _segments(given: Fields, path: str, problems: Problems) -> bool:
+    """Whether a claim is about the segments together."""
+    if "segments" not in given:
+        return False
+    for other in ("stage", "experiment"):
+        if other in given:
+            message = f"`segments` and `{other}` are both given; one of the two"
+            problems.add(given[other][0].problem(path, message))
+    return choice_of(given["segments"], f"{path}.segments", ("true",), problems) == "true"
 
 
 def _at(
@@ -138,7 +151,9 @@ def claims_of(
 
 def about(drafts: tuple[ClaimDraft, ...], stage: str | None) -> tuple[ClaimDraft, ...]:
     """Return the claims about a stage: those that name it, and those that name none."""
-    return tuple(one for one in drafts if not one.experiment and one.stage in {"", stage})
+    return tuple(
+        one for one in drafts if not one.experiment and not one.segments and one.stage in {"", stage}
+    )
 
 
 def _claim(draft: ClaimDraft, scope: Scope, subjects: Subjects, problems: Problems) -> Claim:
@@ -170,6 +185,7 @@ def _claim(draft: ClaimDraft, scope: Scope, subjects: Subjects, problems: Proble
         measures=expected_measures(draft.measures, f"{draft.path}.measures", subjects, scope, problems),
         requirements=expected_requirements(draft.required, f"{draft.path}.require", subjects, problems),
         stationary=draft.stationary,
+        segments=draft.segments,
     )
 
 
@@ -298,6 +314,16 @@ def _verdicts(draft: ClaimDraft, states: Sequence[State], problems: Problems) ->
         if verdict:
             result.update(dict.fromkeys(found, (verdict, value.place)))
     return result
+
+
+def about_segments(
+    drafts: tuple[ClaimDraft, ...], problems: Problems, *, there: bool
+) -> tuple[ClaimDraft, ...]:
+    """Return the claims about the segments together; without any ``there`` they are reported."""
+    found = tuple(one for one in drafts if one.segments)
+    for draft in () if there else found:
+        problems.add(draft.given["segments"][0].problem(draft.path, "there are no `segments` in this file"))
+    return found
 
 
 def about_experiment(

@@ -116,11 +116,12 @@ def read_plan(node: Node | None, known: Known, problems: Problems) -> PlanDraft 
 def _states(given: Fields, key: str, known: Known, problems: Problems) -> tuple[Scalar, ...]:
     path = f"experiment.{key}"
     items = items_of(given[key][1], path, problems) if key in given else ()
-    found = [item for item in items if _is_known(item, path, known.states, "state", problems)]
+    found = [item for item in items if is_known(item, path, known.states, "state", problems)]
     return tuple(item for item in found if isinstance(item, Scalar))
 
 
-def _is_known(node: Node, path: str, known: Collection[str], what: str, problems: Problems) -> bool:
+def is_known(node: Node, path: str, known: Collection[str], what: str, problems: Problems) -> bool:
+    """Whether a node is a name that is known; what it is else is reported."""
     name = node.text if isinstance(node, Scalar) else ""
     if not isinstance(node, Scalar | Broken) or _is_null(node):
         problems.add(node.problem(path, f"the name of a {what} is expected here, not {kind(node)}"))
@@ -136,17 +137,17 @@ def _runs(given: Fields, key: str, above: str, known: Known, problems: Problems)
         return ()
     path = f"{above}.{key}"
     found: list[RunDraft] = []
-    for k, item in enumerate(_filled(given[key][1], path, problems), start=1):
+    for k, item in enumerate(filled(given[key][1], path, problems), start=1):
         for run in _written_out(item, f"{path}[{k}]", known, problems):
             if len(found) == MOST_RUNS:
                 message = f"more than {MOST_RUNS} runs"
                 problems.add(item.problem(path, message, "give fewer values in `grid`, or several files"))
                 return ()
             found.append(run)
-    return _named_apart(found, path, problems)
+    return named_apart(found, path, problems)
 
 
-def _filled(node: Node, path: str, problems: Problems) -> tuple[Node, ...]:
+def filled(node: Node, path: str, problems: Problems) -> tuple[Node, ...]:
     """Return the items of a list, which must have some."""
     items = items_of(node, path, problems)
     if isinstance(node, Sequence) and not items:
@@ -157,7 +158,7 @@ def _filled(node: Node, path: str, problems: Problems) -> tuple[Node, ...]:
 def _written_out(node: Node, path: str, known: Known, problems: Problems) -> Iterator[RunDraft]:
     """Yield the runs of one entry: every stage of its list, every combination of its grid, repeated."""
     if not isinstance(node, Mapping):
-        if _is_known(node, path, known.stages, "stage", problems) and isinstance(node, Scalar):
+        if is_known(node, path, known.stages, "stage", problems) and isinstance(node, Scalar):
             yield RunDraft(node.text, node.text, Draft(node), {}, node, path)
         return
     given = fields(node, path, RUN_KEYS, problems)
@@ -167,7 +168,7 @@ def _written_out(node: Node, path: str, known: Known, problems: Problems) -> Ite
     repeat = 1
     if "repeat" in given:
         repeat = whole_of(given["repeat"][1], f"{path}.repeat", problems, most=MOST_RUNS) or 1
-    _check_fixable(given, path, known, problems)
+    check_fixable(given, path, known, problems)
     fix = {one: entry for one, entry in change.fix.items() if one in known.fixable and entry.formula}
     axes = {one: values for one, values in _axes(given, path, problems).items() if one in known.fixable}
     stages = _stages(given, path, known, problems)
@@ -175,8 +176,8 @@ def _written_out(node: Node, path: str, known: Known, problems: Problems) -> Ite
         base = f"{name} {stage}" if name and len(stages) > 1 else name
         for values in product(*axes.values()):
             chosen = dict(zip(axes, values, strict=True))
-            label = _label(base, stage, {**({} if name else fix), **chosen})
-            yield from (RunDraft(label, stage, change, {**fix, **chosen}, node, path),) * repeat
+            title = label(base, stage, {**({} if name else fix), **chosen})
+            yield from (RunDraft(title, stage, change, {**fix, **chosen}, node, path),) * repeat
 
 
 def _stages(given: Fields, path: str, known: Known, problems: Problems) -> list[str | None]:
@@ -184,19 +185,20 @@ def _stages(given: Fields, path: str, known: Known, problems: Problems) -> list[
     if "stage" not in given:
         return [None]
     value = given["stage"][1]
-    nodes = _filled(value, f"{path}.stage", problems) if isinstance(value, Sequence) else (value,)
+    nodes = filled(value, f"{path}.stage", problems) if isinstance(value, Sequence) else (value,)
     return [
         one.text
         for one in nodes
-        if _is_known(one, f"{path}.stage", known.stages, "stage", problems) and isinstance(one, Scalar)
+        if is_known(one, f"{path}.stage", known.stages, "stage", problems) and isinstance(one, Scalar)
     ]
 
 
-def _check_fixable(given: Fields, path: str, known: Known, problems: Problems) -> None:
+def check_fixable(given: Fields, path: str, known: Known, problems: Problems) -> None:
+    """Report what is fixed, or runs over a grid, without being a parameter or function."""
     for key in ("fix", "grid"):
         entries = fields(given[key][1], f"{path}.{key}", None, problems) if key in given else {}
         for name, (word, value) in entries.items():
-            _is_known(word, f"{path}.{key}", known.fixable, "parameter or function", problems)
+            is_known(word, f"{path}.{key}", known.fixable, "parameter or function", problems)
             if key == "fix" and _is_null(value):
                 problems.add(value.problem(f"{path}.fix.{name}", "an expression is missing here"))
 
@@ -208,7 +210,7 @@ def _axes(given: Fields, path: str, problems: Problems) -> dict[str, tuple[Entry
     axes = {}
     for name, (key, value) in fields(given["grid"][1], f"{path}.grid", None, problems).items():
         below = f"{path}.grid.{name}"
-        items = _filled(value, below, problems)[: MOST_RUNS + 1]
+        items = filled(value, below, problems)[: MOST_RUNS + 1]
         for item in filter(_is_null, items):
             problems.add(item.problem(below, "an expression is missing here"))
         values = (item for item in items if not _is_null(item))
@@ -220,7 +222,7 @@ def _is_null(node: Node) -> bool:
     return isinstance(node, Scalar) and node.is_null
 
 
-def _label(name: str, stage: str | None, fix: Entries) -> str:
+def label(name: str, stage: str | None, fix: Entries) -> str:
     """Return the name of a run: as given, else its stage, with the values it is told apart by."""
     texts = {one: _text(entry) for one, entry in fix.items()}
     values = ", ".join(f"{one} = {text}" for one, text in texts.items() if text != one)
@@ -232,7 +234,7 @@ def _text(entry: Entry) -> str:
     return "" if entry.formula is None else entry.formula.text or flow_text(entry.formula.node)
 
 
-def _named_apart(runs: list[RunDraft], path: str, problems: Problems) -> tuple[RunDraft, ...]:
+def named_apart(runs: list[RunDraft], path: str, problems: Problems) -> tuple[RunDraft, ...]:
     """Number runs of the same name: ``x``, ``x #2``; different runs given the same name are reported."""
     taken: dict[str, RunDraft] = {}
     for run in runs:

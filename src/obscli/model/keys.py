@@ -16,7 +16,6 @@ from obscli.model.trouble import Problems, nearest, shown
 #: Keys of the contract that this version does not act on yet.
 NOT_YET: Final = {
     "signals": "write the signal as a function of time under `let`, or name it under `functions`",
-    "segments": "give the segments as `stages`",
 }
 
 
@@ -42,7 +41,7 @@ def fields(
         elif known is not None and key.text not in known:
             message = f"unknown key '{shown(key.text)}'{nearest(key.text, known)}"
             problems.add(
-                key.problem(path, message, f"keys here: {', '.join(known)}" if len(known) < 16 else "")
+                key.problem(path, message, f"keys here: {', '.join(known)}" if len(known) <= 16 else "")
             )
         else:
             found[unicodedata.normalize("NFC", key.text)] = (key, value)

@@ -9,13 +9,22 @@ from types import MappingProxyType
 from typing import Final
 
 from obscli.core.place import ModelError, Place, Problem
-from obscli.model.claims import Origin, about, about_experiment, claims_of, read_claims
+from obscli.model.claims import (
+    ClaimDraft,
+    Origin,
+    about,
+    about_experiment,
+    about_segments,
+    claims_of,
+    read_claims,
+)
 from obscli.model.compose import compose
 from obscli.model.covector import scope_of
 from obscli.model.discrete import with_index
 from obscli.model.draft import Draft
 from obscli.model.expected import Subjects
 from obscli.model.experiment import Known, RunDraft, read_experiment, read_plan
+from obscli.model.jumps import segments_of
 from obscli.model.keys import NOT_YET, Fields, choice_of, fields, text_of
 from obscli.model.meter import MOST_WORK, Meter
 from obscli.model.namespace import check_namespace
@@ -23,9 +32,10 @@ from obscli.model.nominal import check_linearize, read_linearize
 from obscli.model.options import Options, fixes, freed, selected, set_values
 from obscli.model.runs import Elaborated, experiment_of, requirements
 from obscli.model.sections import SYSTEM_KEYS, read_draft
+from obscli.model.segments import SegmentsDraft, read_segments
 from obscli.model.source import Source, checked, read_source
 from obscli.model.stages import Variants, read_stages
-from obscli.model.system import Claim, Model, System
+from obscli.model.system import Claim, Model, Segments, System
 from obscli.model.tree import Mapping as MappingNode
 from obscli.model.tree import Node, Scalar
 from obscli.model.trouble import Problems, shown
@@ -37,7 +47,7 @@ RUNS_WORK: Final = 20 * MOST_WORK
 _NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 KEYS: Final = (
     "format", "name", "title", "description", "source", *SYSTEM_KEYS, "require", "stages", "experiment",
-    "plan", "claims", "expect",
+    "plan", "segments", "claims", "expect",
 )  # fmt: skip
 
 
@@ -116,17 +126,11 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     claims = tuple(
         one for origin in ORIGINS for one in read_claims(_node(given, origin), origin, stages, problems)
     )
-    model = Model(
-        name=text_of(given.get("name"), "name", problems) or Path(source.file).stem,
-        file=Path(source.file),
-        systems=(),
-        title=text_of(given.get("title"), "title", problems),
-        description=text_of(given.get("description"), "description", problems),
-        source=text_of(given.get("source"), "source", problems),
-    )
+    model = _named(given, source, problems)
     known = _known(draft, stages)
     experiment = read_experiment(_node(given, "experiment"), known, problems)
     plan = read_plan(_node(given, "plan"), known, problems)
+    segments = read_segments(_node(given, "segments"), known, problems)
     if not draft.states:
         if "states" not in given or not problems:
             problems.add(root.problem("", "`states` is missing: the names of the states, in order"))
@@ -142,7 +146,8 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     scope, states = scope_of(systems[0]), systems[0].states
     wanted = {name for one in states for name in (one.name, one.vector) if name} | draft.quantities.keys()
     chosen = tuple(selected(system, options, problems) for system in systems)
-    found = experiment_of(experiment, plan, _elaborated(variants, options, chosen), problems)
+    elaborated = _elaborated(variants, options, chosen)
+    found = experiment_of(experiment, plan, elaborated, problems)
     about_it = claims_of(about_experiment(claims, found, problems), scope, _subjects(systems[0]), problems)
     return replace(
         model,
@@ -150,7 +155,37 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
         experiment=found,
         require=requirements(_node(given, "require"), chosen[0], wanted, problems),
         claims=about_it,
+        segments=_together(segments, claims, variants, options, systems, problems),
     )
+
+
+def _named(given: Fields, source: Source, problems: Problems) -> Model:
+    """Return the model with its names and texts, and nothing else yet."""
+    return Model(
+        name=text_of(given.get("name"), "name", problems) or Path(source.file).stem,
+        file=Path(source.file),
+        systems=(),
+        title=text_of(given.get("title"), "title", problems),
+        description=text_of(given.get("description"), "description", problems),
+        source=text_of(given.get("source"), "source", problems),
+    )
+
+
+def _together(
+    draft: SegmentsDraft | None,
+    claims: tuple[ClaimDraft, ...],
+    variants: Variants,
+    options: Options,
+    systems: Sequence[System],
+    problems: Problems,
+) -> Segments | None:
+    """Return the segments with the claims about them; ``systems``: the whole ones of the stages."""
+    whole = _elaborated(variants, replace(options, outputs=(), without=()), systems)
+    found = segments_of(draft, whole, lambda one: selected(one, options, problems), problems)
+    system = systems[0]
+    about_them = about_segments(claims, problems, there=draft is not None)
+    evaluated = claims_of(about_them, scope_of(system), _subjects(system), problems)
+    return found and replace(found, claims=evaluated)
 
 
 def _elaborated(variants: Variants, options: Options, stages: Sequence[System]) -> Elaborated:
@@ -201,7 +236,7 @@ def load_claims(model: Model, path: str | Path) -> Mapping[str | None, tuple[Cla
     Returns
     -------
     Mapping[str | None, tuple[Claim, ...]]
-        by stage (None: the base); those about an experiment stand under None
+        by stage (None: the base); those about an experiment or about segments stand under None
 
     Raises
     ------
@@ -222,7 +257,8 @@ def load_claims(model: Model, path: str | Path) -> Mapping[str | None, tuple[Cla
     for system in model.systems:
         here = about(drafts, system.stage)
         found[system.stage] = claims_of(here, scope_of(system), _subjects(system), problems)
-    rest = about_experiment(drafts, model.experiment, problems)
+    together = about_segments(drafts, problems, there=model.segments is not None)
+    rest = (*about_experiment(drafts, model.experiment, problems), *together)
     if rest:
         first = model.systems[0]
         found[None] = found.get(None, ()) + claims_of(rest, scope_of(first), _subjects(first), problems)

@@ -152,7 +152,8 @@ class Claim:
     A claim about an experiment may be about some ``runs`` only (empty: all); ``everything`` is where it says
     that all shared states are determined; ``detectable``: whether what is unobservable is said to die out.
     ``requirements``: whether accuracy asked for is met, by state or quantity; "" for all that is asked for;
-    ``stationary``: the sizes of time-invariant systems with the same outputs.
+    ``stationary``: the sizes of time-invariant systems with the same outputs; ``segments``: whether it is
+    about the segments together.
     """
 
     origin: Literal["claims", "expect"]
@@ -173,6 +174,7 @@ class Claim:
     measures: tuple[ExpectedMeasure, ...] = ()
     requirements: Mapping[str, tuple[Met, Place]] = field(default_factory=dict)
     stationary: ExpectedStationary | None = None
+    segments: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -319,6 +321,43 @@ class Experiment:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Segment:
+    """One segment: a stage with its replacements made, for a while (``system.stage`` is the segment's name).
+
+    ``stop``: where it ends on the axis of time that all segments share; ``jump``: J with x⁺ = J x there, on
+    the way to the next one, None: the state goes through as it is; ``run``: the segment as a run.
+    """
+
+    run: Run
+    duration: Expression
+    stop: Expression
+    jump: Matrix | None = None
+
+    @property
+    def name(self) -> str:
+        """The name of the segment."""
+        return self.run.name
+
+    @property
+    def system(self) -> System:
+        """The system in force."""
+        return self.run.system
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Segments:
+    """Segments in order, one after the other from ``start`` on, the whole state carried through.
+
+    ``claims``: those about all of them together.
+    """
+
+    start: Expression
+    parts: tuple[Segment, ...]
+    place: Place
+    claims: tuple[Claim, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Requirement:
     """Accuracy asked for: one standard deviation of a state or quantity."""
 
@@ -344,3 +383,4 @@ class Model:
     experiment: Experiment | None = None
     require: tuple[Requirement, ...] = ()
     claims: tuple[Claim, ...] = ()
+    segments: Segments | None = None

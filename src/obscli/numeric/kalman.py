@@ -28,7 +28,7 @@ from obscli.numeric.square_root_filter import compressed, informed, measured, re
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Known:
+class Known:
     """What is known after the samples at an instant: its index, Φ L (n, n), and that of the open loop."""
 
     index: int
@@ -61,7 +61,7 @@ def covariance_history(
     found: list[tuple[Array, Array]] = []
     complete = True
     try:
-        for known in _followed(sampled, timeline, marks, progress):
+        for known in followed(sampled, timeline, marks, (sampled.prior, sampled.prior), progress):
             row = rows[len(found)]
             found.append((deviations(row, known.root), deviations(row, known.open_loop)))
     except KeyboardInterrupt:
@@ -84,7 +84,8 @@ def roots_at(system: System, schedule: Schedule, instants: Array) -> tuple[Array
     sampled = SampledSystem(system, schedule)
     timeline, places = timeline_of([sampled], schedule).including(instants)
     marks = np.isin(np.arange(len(timeline.t)), places)
-    found = {one.index: one for one in _followed(sampled, timeline, marks, silent)}
+    prior = (sampled.prior, sampled.prior)
+    found = {one.index: one for one in followed(sampled, timeline, marks, prior, silent)}
     roots = np.array([found[k].root for k in places])
     return roots, np.array([compressed([found[k].open_loop]) for k in places])
 
@@ -95,11 +96,20 @@ def deviations(rows: Array, root: Array) -> Array:
     return found
 
 
-def _followed(
-    sampled: SampledSystem, timeline: Timeline, marks: Flags, progress: Progress
-) -> Iterator[_Known]:
-    """Yield what is known at the marks."""
-    root = opened = sampled.prior
+def followed(
+    sampled: SampledSystem,
+    timeline: Timeline,
+    marks: Flags,
+    roots: tuple[Array, Array],
+    progress: Progress,
+) -> Iterator[Known]:
+    """Yield what is known at the marks.
+
+    Parameters
+    ----------
+    roots : L at the start of the timeline, with measurements and without
+    """
+    root, opened = roots
     for stretch in sampled.stretches(timeline):
         part = slice(stretch.first, stretch.first + len(stretch.rows))
         progress(timeline.progress(part.start))
@@ -139,9 +149,9 @@ def _driven(
             yield k, root
 
 
-def _known(timeline: Timeline, stretch: Stretch, k: int, root: Array, opened: Array) -> _Known:
+def _known(timeline: Timeline, stretch: Stretch, k: int, root: Array, opened: Array) -> Known:
     phi = stretch.transition[k]
     parts = [opened] if stretch.noise is None else [opened, *stretch.noise[: k + 1]]
-    known = _Known(stretch.first + k, phi @ root, phi @ np.concatenate(parts, axis=1))
+    known = Known(stretch.first + k, phi @ root, phi @ np.concatenate(parts, axis=1))
     refuse_infinite(timeline.t[known.index], known.root, known.open_loop)
     return known

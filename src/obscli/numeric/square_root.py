@@ -24,8 +24,8 @@ V. M. Morozov, F. Yu. Baklanov (2018), (2), (3). N. J. Higham, Accuracy and Stab
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from typing import Final, Protocol
+from collections.abc import Iterable, Sequence
+from typing import Final, Protocol, TypeAlias
 
 import numpy as np
 
@@ -45,6 +45,9 @@ _GATHERED: Final = 3
 _WATCHED: Final = 8
 _RANGE: Final = 64
 _LARGEST: Final = 450
+
+#: R (n, n), the units (n,), E (n, n) and ln of the growth at one instant.
+Snapshot: TypeAlias = tuple[Array, Array, Array, float]
 
 #: Up to so many states whole products are faster than those of the moving rows alone.
 _DENSE: Final = 50
@@ -91,8 +94,13 @@ def carried(pieces: Iterable[Panels], system: Carried, start: float, instants: A
     system : whose panels they are
     start, instants : t0, and t_i in order, shape (N,)
     """
-    chain = _Chain(system)
-    found: list[tuple[Array, Array, Array, float]] = []
+    chain = Chain(system)
+    return gathered(snapshots(pieces, chain, instants), start, instants)
+
+
+def snapshots(pieces: Iterable[Panels], chain: Chain, instants: Array) -> list[Snapshot]:
+    """Return what the chain is at instants, on its way through panels of which one ends at each of them."""
+    found: list[Snapshot] = []
     for piece in pieces:
         with np.errstate(all="ignore"):  # where squares are too large all is lost
             squares = np.einsum("kij,kij->kj", piece.rows, piece.rows)
@@ -100,14 +108,19 @@ def carried(pieces: Iterable[Panels], system: Carried, start: float, instants: A
                 chain.advance(piece, k, squares[k])
                 if end == instants[len(found)]:
                     found.append(chain.snapshot())
+    return found
+
+
+def gathered(found: Sequence[Snapshot], start: float, instants: Array) -> Gramian:
+    """Return R(t_i) from what the chain was at all instants; lost where columns grew too far."""
     matrices, units, error, growth = (np.array(part) for part in zip(*found, strict=True))
     lost = ~np.isfinite(error).all(axis=(1, 2))
-    matrices[lost], units[lost], error[lost] = 0.0, 1.0, LOST * np.eye(system.n)
+    matrices[lost], units[lost], error[lost] = 0.0, 1.0, LOST * np.eye(matrices.shape[-1])
     starts = np.full(len(instants), start)
     return Gramian("square-root", instants, starts, matrices, units, error, growth)
 
 
-class _Chain:
+class Chain:
     """Rows S with W = Sᵀ S and the error matrix E at the end of the last panel, states in units 2^e."""
 
     def __init__(self, system: Carried) -> None:
@@ -149,7 +162,23 @@ class _Chain:
         if len(self._rows) > _GATHERED * self._rows.shape[1]:
             self._triangularise()
 
-    def snapshot(self) -> tuple[Array, Array, Array, float]:
+    def enter(self, system: NumericSystem) -> None:
+        """Go on with the panels of another system over the same states."""
+        self._moving = system.moving
+        self._set_ratios()
+
+    def jump(self, inverse: Array) -> None:
+        """Let the state jump, x⁺ = J x, given J⁻¹ to rounding: R⁺ = R J⁻¹."""
+        if self._lost:
+            return
+        step = inverse * self._units / self._units[:, None]
+        size = np.abs(self._rows) @ np.abs(step)
+        self._rows = self._rows @ step
+        self._error = step.T @ self._error @ step
+        self._squares = np.einsum("ij,ij->j", self._rows, self._rows)
+        self._add(self._rounding * len(step) * np.einsum("ij,ij->j", size, size))
+
+    def snapshot(self) -> Snapshot:
         """Return R (n, n), the units (n,), E (n, n) and ln of the growth as they stand."""
         n = self._rows.shape[1]
         if self._lost:
@@ -189,11 +218,14 @@ class _Chain:
         self._squares *= factor**2
         self._error *= factor * factor[:, None]
         self._units = self._units * factor
-        self._ratio = self._units / self._units[self._moving][:, None]
-        self._squared_units, self._squared_ratio = self._units**2, self._ratio**2
+        self._set_ratios()
         exponents = np.log2(self._units)
         if max(np.abs(exponents).max(), exponents.max() - exponents.min()) > _LARGEST:
             self._lost = True
+
+    def _set_ratios(self) -> None:
+        self._ratio = self._units / self._units[self._moving][:, None]
+        self._squared_units, self._squared_ratio = self._units**2, self._ratio**2
 
 
 def _triangle(rows: Array) -> Array:

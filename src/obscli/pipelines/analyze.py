@@ -22,11 +22,15 @@ from obscli.model.system import Model, System
 from obscli.pipelines.analysis_data import report_data
 from obscli.pipelines.describe.figures import analysis_figures
 from obscli.pipelines.describe.report import report_document
+from obscli.pipelines.describe.segments import segments_blocks
 from obscli.pipelines.freezing import beside_truth, frozen_model
 from obscli.pipelines.neglect import compared
 from obscli.pipelines.other_stages import with_other_stages
 from obscli.pipelines.reading import chosen_systems, dual_model, expanded_states
 from obscli.pipelines.request import AnalyzeRequest, Changes, Progress, RequestError, silent
+from obscli.pipelines.segments import segments_result
+from obscli.pipelines.segments_data import segments_data
+from obscli.pipelines.segments_result import SegmentsResult
 from obscli.pipelines.stage_result import StageResult
 
 
@@ -36,20 +40,24 @@ class AnalyzeReport:
 
     results: tuple[StageResult, ...]
     changes: Changes
+    segments: SegmentsResult | None = None
 
     @property
     def failed(self) -> int:
-        """How many stages have an analytic result that the Gramian or a stationary system contradicts."""
-        return sum(result.is_contradicted for result in self.results)
+        """How many stages (or segments together) a Gramian or a stationary system contradicts."""
+        together = self.segments is not None and self.segments.is_contradicted
+        return sum(result.is_contradicted for result in self.results) + together
 
     @property
     def undecided(self) -> int:
-        """How many stages stayed undecided, wholly or in part."""
-        return sum(result.is_undecided for result in self.results)
+        """How many stages (or segments together) stayed undecided, wholly or in part."""
+        together = self.segments is not None and self.segments.is_undecided
+        return sum(result.is_undecided for result in self.results) + together
 
     def document(self) -> Document:
         """Return the report for a reader."""
-        return report_document(self.results)
+        stages = report_document(self.results)
+        return Document((*stages.blocks, *segments_blocks(self.segments)))
 
     def figures(self) -> Iterable[Figure]:
         """Return the figures: χ, singular values, coefficients."""
@@ -57,7 +65,7 @@ class AnalyzeReport:
 
     def data(self) -> Mapping[str, object]:
         """Return the report for a program."""
-        return report_data(self.results, self.changes)
+        return {**report_data(self.results, self.changes), **segments_data(self.segments)}
 
 
 def analyze(
@@ -67,7 +75,7 @@ def analyze(
     unfixed: Model | None = None,
     progress: Progress = silent,
 ) -> AnalyzeReport:
-    """Analyse the chosen stages of a model.
+    """Analyse the chosen stages of a model, and its segments together.
 
     Parameters
     ----------
@@ -79,6 +87,9 @@ def analyze(
     """
     if request.certify and request.only == "numeric":
         raise RequestError("--certify rests on the exact kernel; leave out --only numeric")
+    segments = _segments(model, request, progress)
+    if request.segments:
+        return AnalyzeReport((), changes, segments)
     if request.dual:
         _require_fit_for_dual(request)
         model = dual_model(model, request.stages)
@@ -107,7 +118,22 @@ def analyze(
         if request.only not in {"analytic", "structure"}:
             result = _with_stationary(_with_gramian(result, request, told), told)
         results.append(_with_certified(result, request, told))
-    return AnalyzeReport(with_other_stages(tuple(results)), changes)
+    return AnalyzeReport(with_other_stages(tuple(results)), changes, segments)
+
+
+def _segments(model: Model, request: AnalyzeRequest, progress: Progress) -> SegmentsResult | None:
+    """Return what the segments show together; None where there are none, or stages alone are asked for."""
+    numeric = request.numeric
+    timed = numeric.start is not None or numeric.stop is not None or bool(numeric.times)
+    stages_alone = timed or bool(request.stages) or request.dual or request.frozen_at is not None
+    if request.segments and (stages_alone or request.only == "structure"):
+        raise RequestError(
+            "--segments has the durations of the file and all of its stages: leave out --stage, --from, "
+            "--to, --times, --dual, --frozen-at, --only structure"
+        )
+    if request.segments or not (model.segments is None or stages_alone or request.only == "structure"):
+        return segments_result(model, numeric, request.only, progress)
+    return None
 
 
 def _require_fit_for_dual(request: AnalyzeRequest) -> None:

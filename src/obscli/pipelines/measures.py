@@ -31,6 +31,7 @@ from obscli.pipelines.measure_options import Options, chosen_measures, measure_o
 from obscli.pipelines.measure_targets import targets_of
 from obscli.pipelines.measures_report import MeasuresReport
 from obscli.pipelines.measures_result import Curves, Limit, MeasuresResult, Reordering, Taken
+from obscli.pipelines.measures_segments import measure_segments
 from obscli.pipelines.numerical import settings_of
 from obscli.pipelines.reading import chosen_systems
 from obscli.pipelines.request import Changes, MeasureScaling, MeasuresRequest, Progress, RequestError, silent
@@ -58,8 +59,21 @@ def measures(
     ModelError
         where an instant is no expression in the names of the system
     """
+    if request.segments:
+        return MeasuresReport((_measured_segments(model, request, progress),), changes)
     systems = chosen_systems(model, request.stages)
     return MeasuresReport(tuple(measure_stage(model, one, request, progress) for one in systems), changes)
+
+
+def _measured_segments(model: Model, request: MeasuresRequest, progress: Progress) -> MeasuresResult:
+    """Measure the segments of a model at their end; raises as ``measures``."""
+    chosen = chosen_measures(request.select)
+    options, thresholds = measure_options(chosen, request.options), thresholds_of(chosen, request.thresholds)
+    found = measure_segments(model, request, chosen, options, progress)
+    if not isinstance(found.taken, tuple):
+        return found
+    last = found.taken[-1]
+    return replace(found, limits=(*_required(model, last), *_held(last, thresholds)))
 
 
 def measure_stage(

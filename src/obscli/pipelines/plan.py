@@ -20,6 +20,7 @@ from obscli.pipelines.calibrate import chosen_runs, experiment_of
 from obscli.pipelines.numerical import Looks, settings_of
 from obscli.pipelines.plan_report import PlanReport
 from obscli.pipelines.plan_result import PlanResult
+from obscli.pipelines.plan_segments import segment_plan
 from obscli.pipelines.request import Changes, PlanRequest, Progress, RequestError, silent
 
 
@@ -45,6 +46,10 @@ def plan(
     """
     for system in model.systems:
         require_continuous(system, "obscli plan")
+    if request.segments:
+        if request.runs:
+            raise RequestError("--segments chooses among the segments of the file: leave out --run")
+        return PlanReport((), changes, segment_plan(model, progress))
     experiment, is_default = _to_choose_from(model)
     wanted = experiment.plan
     candidates = experiment.runs if wanted is None or wanted.candidates is None else wanted.candidates

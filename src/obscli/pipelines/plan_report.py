@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 from obscli.core.document import Document
 from obscli.core.figure import Figure
+from obscli.pipelines.describe.orders import orders_document
 from obscli.pipelines.describe.plan import plan_document
 from obscli.pipelines.describe.plan_figures import plan_figures
 from obscli.pipelines.plan_data import plan_data
 from obscli.pipelines.plan_result import PlanResult
+from obscli.pipelines.plan_segments import SegmentPlan, orders_data
 from obscli.pipelines.request import Changes
 
 
@@ -20,6 +22,7 @@ class PlanReport:
 
     results: tuple[PlanResult, ...]
     changes: Changes
+    segments: SegmentPlan | None = None
 
     @property
     def failed(self) -> int:
@@ -29,11 +32,12 @@ class PlanReport:
     @property
     def undecided(self) -> int:
         """How many plans stayed unchecked."""
-        return sum(result.undecided for result in self.results)
+        open_ = self.segments is not None and not self.segments.found.is_complete
+        return sum(result.undecided for result in self.results) + open_
 
     def document(self) -> Document:
         """Return the report for a reader."""
-        return plan_document(self.results)
+        return plan_document(self.results) if self.segments is None else orders_document(self.segments)
 
     def figures(self) -> Iterable[Figure]:
         """Return the figures: what each candidate determines, deviations over the plan."""
@@ -41,4 +45,4 @@ class PlanReport:
 
     def data(self) -> Mapping[str, object]:
         """Return the report for a program."""
-        return plan_data(self.results, self.changes)
+        return {**plan_data(self.results, self.changes), **orders_data(self.segments)}

@@ -32,11 +32,15 @@ def with_claims(model: Model, path: str | Path) -> Model:
     found = dict(reader.load_claims(model, path))
     later = tuple(claim for claims in found.values() for claim in claims if claim.experiment is not None)
 
-    def own(system: System) -> tuple[Claim, ...]:
-        return tuple(claim for claim in found.get(system.stage, ()) if claim.experiment is None)
+    together = tuple(claim for claims in found.values() for claim in claims if claim.segments)
 
+    def own(system: System) -> tuple[Claim, ...]:
+        mine = found.get(system.stage, ())
+        return tuple(claim for claim in mine if claim.experiment is None and not claim.segments)
+
+    segments = model.segments and replace(model.segments, claims=together)
     systems = tuple(replace(one, claims=own(one)) for one in model.systems)
-    return replace(model, systems=systems, claims=later)
+    return replace(model, systems=systems, claims=later, segments=segments)
 
 
 def chosen_systems(model: Model, stages: tuple[str, ...]) -> tuple[System, ...]:

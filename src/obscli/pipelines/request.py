@@ -72,7 +72,7 @@ class AnalyzeRequest:
     the coefficients also where the numerical side is not alone; ``relations``: find what outputs are made of;
     ``cross_check``: solve the Riccati equation from two priors; ``dual``: what the inputs reach instead;
     ``frozen_at``: an instant at which A and H are taken as constant, in the names of the file; ``certify``:
-    prove the rank of the Gramian at instants in ball arithmetic.
+    prove the rank of the Gramian at instants in ball arithmetic; ``segments``: only the segments of the file.
     """
 
     stages: tuple[str, ...] = ()
@@ -87,6 +87,7 @@ class AnalyzeRequest:
     dual: bool = False
     frozen_at: str | None = None
     certify: bool = False
+    segments: bool = False
 
 
 #: The parts of a calibration that can be asked for alone.
@@ -105,10 +106,14 @@ class CalibrateRequest:
 
 @dataclass(frozen=True, slots=True)
 class PlanRequest:
-    """Which candidates (empty: all) to choose from; the options of the Gramians that check the choice."""
+    """Which candidates (empty: all) to choose from; the options of the Gramians that check the choice.
+
+    ``segments``: find orders of the file's segments instead.
+    """
 
     runs: tuple[str, ...] = ()
     numeric: NumericRequest = NumericRequest()
+    segments: bool = False
 
 
 #: What a system can be transformed to.
@@ -143,7 +148,7 @@ class MeasuresRequest:
 
     ``at``: instants as expressions, empty: the end of the interval; ``options``: as text,
     ``{"least-squares.dt": "1"}``; ``thresholds``: a number by key of a measure; ``step``: seconds between
-    samples; ``curves``: find what the figures show.
+    samples; ``curves``: find what the figures show; ``segments``: only the segments, at their end.
     """
 
     stages: tuple[str, ...] = ()
@@ -155,6 +160,7 @@ class MeasuresRequest:
     numeric: NumericRequest = NumericRequest()
     step: float | None = None
     curves: bool = False
+    segments: bool = False
 
 
 #: The parts of an explanation that can be asked for alone.
@@ -204,7 +210,7 @@ class SimulateRequest:
 
     ``step``: time between samples of outputs that have no rate of their own, None: as in the file;
     ``recorded``: instants that the histories keep; ``runs``: random runs, 0: none; ``fraction``: of the prior
-    below which a deviation counts as small where the file requires nothing.
+    below which a deviation counts as small where the file requires nothing; ``segments``: only the segments.
     """
 
     stages: tuple[str, ...] = ()
@@ -214,3 +220,4 @@ class SimulateRequest:
     seed: int = 0
     fraction: float = 0.1
     numeric: NumericRequest = NumericRequest()
+    segments: bool = False

@@ -26,6 +26,7 @@ from obscli.pipelines.simulate_followed import demands_of, followed_forms, sampl
 from obscli.pipelines.simulate_needs import lacking
 from obscli.pipelines.simulate_report import SimulateReport
 from obscli.pipelines.simulate_result import Demand, Mismatch, SimulateResult, Simulation
+from obscli.pipelines.simulate_segments import simulate_segments
 
 
 def simulate(
@@ -53,6 +54,9 @@ def simulate(
         where an end of the interval is no expression in the names of the system
     """
     results: list[SimulateResult] = []
+    together = _has_segments(model, request, design)
+    if request.segments:
+        return SimulateReport((simulate_segments(model, request, progress),), changes)
     systems = chosen_systems(model, request.stages)
     designs = [None if design is None else _design_of(design, system) for system in systems]
     for system, other in zip(systems, designs, strict=True):
@@ -65,7 +69,30 @@ def simulate(
             return SimulateReport(tuple(results), changes, interrupted=True)
         if results[-1].interrupted:
             return SimulateReport(tuple(results), changes, interrupted=True)
-    return SimulateReport(tuple(results), changes)
+    if together:
+        results.append(simulate_segments(model, request, progress))
+    return SimulateReport(tuple(results), changes, interrupted=results[-1].interrupted)
+
+
+def _has_segments(model: Model, request: SimulateRequest, design: Model | None) -> bool:
+    """Whether the segments are to be simulated, too.
+
+    Raises
+    ------
+    RequestError
+        where they are asked for with what only a stage can have
+    """
+    numeric = request.numeric
+    timed = numeric.start is not None or numeric.stop is not None
+    stages_alone = timed or bool(request.stages) or design is not None or request.runs > 0
+    if request.segments and stages_alone:
+        raise RequestError(
+            "--segments has the durations of the file and all of its stages, and no random runs: leave out "
+            "--stage, --from, --to, --filter, --runs"
+        )
+    if request.segments and model.segments is None:
+        raise RequestError(f"{model.file}: there are no `segments`")
+    return model.segments is not None and not stages_alone
 
 
 def _design_of(design: Model, system: System) -> System:

@@ -29,7 +29,11 @@ def followed_forms(system: System) -> tuple[tuple[FollowedForm, ...], str]:
 
     Combinations that are single states are not repeated. The text says why there are no verdicts.
     """
-    found = _at_values(system)
+    return forms_from(system, _at_values(system))
+
+
+def forms_from(system: System, found: Analysis | Undecided) -> tuple[tuple[FollowedForm, ...], str]:
+    """Return the same from an analysis that holds at the file's values."""
     verdicts: dict[str, LinearFormVerdict] = {}
     combinations: tuple[Covector, ...] = ()
     if isinstance(found, Analysis):

@@ -18,6 +18,7 @@ from obscli.pipelines.stage_result import StageChecks
 from obscli.pipelines.verify_experiment import verify_experiment
 from obscli.pipelines.verify_measures import check_measures
 from obscli.pipelines.verify_report import VerifyReport
+from obscli.pipelines.verify_segments import verify_segments
 from obscli.pipelines.verify_stationary import check_stationary
 
 
@@ -46,7 +47,8 @@ def verify(
             results.append(_checked(model, _with_claims(system, claims), look))
         if not stages and not claims:
             experiment = verify_experiment(model, look, numeric, progress)
-            results += [] if experiment is None else [experiment]
+            segments = verify_segments(model, numeric, progress)
+            results += [one for one in (experiment, segments) if one is not None]
     return VerifyReport(tuple(results))
 
 
