@@ -15,7 +15,6 @@ from obscli.model.trouble import Problems, nearest, shown
 
 #: Keys of the contract that this version does not act on yet.
 NOT_YET: Final = {
-    "signals": "write the signal as a function of time under `let`, or name it under `functions`",
     "F": "give the continuous-time system as `A`",
     "step": "give the continuous-time system as `A`",
     "segments": "give the segments as `stages`",

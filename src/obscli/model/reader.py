@@ -12,7 +12,7 @@ from obscli.core.place import ModelError, Place, Problem
 from obscli.model.claims import Origin, about, about_experiment, claims_of, read_claims
 from obscli.model.compose import compose
 from obscli.model.covector import scope_of
-from obscli.model.draft import Draft
+from obscli.model.draft import Draft, merged_nodes
 from obscli.model.expected import Subjects
 from obscli.model.experiment import Known, RunDraft, read_experiment, read_plan
 from obscli.model.keys import NOT_YET, Fields, choice_of, fields, text_of
@@ -22,6 +22,7 @@ from obscli.model.nominal import check_linearize, read_linearize
 from obscli.model.options import Options, fixes, freed, selected, set_values
 from obscli.model.runs import Elaborated, experiment_of, requirements
 from obscli.model.sections import SYSTEM_KEYS, read_draft
+from obscli.model.signals import with_signals
 from obscli.model.source import Source, checked, read_source
 from obscli.model.stages import Variants, read_stages
 from obscli.model.system import Claim, Model, System
@@ -106,6 +107,9 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     stages = {
         name: freed(stage, options) for name, stage in read_stages(_node(given, "stages"), problems).items()
     }
+    directory = Path(source.file).parent
+    draft = with_signals(draft, None, directory, problems)
+    stages = {name: _sampled(name, stage, draft, directory, problems) for name, stage in stages.items()}
     _check_format(given, problems)
     check_namespace(draft, problems)
     draft = replace(draft, linearize=read_linearize(_node(given, "linearize"), problems))
@@ -178,6 +182,14 @@ def _mappings(stages: Mapping[str, Draft]) -> list[MappingNode]:
     return [one.node for one in stages.values() if isinstance(one.node, MappingNode)]
 
 
+def _sampled(name: str, stage: Draft, base: Draft, directory: Path, problems: Problems) -> Draft:
+    """Return a stage with signals of its own where it replaces some of the base's."""
+    if stage.signals is None:
+        return stage
+    signals = merged_nodes(base.signals, stage.signals)
+    return with_signals(replace(stage, signals=signals), base, directory, problems, f"stages.{name}.signals")
+
+
 def _check_format(given: Fields, problems: Problems) -> None:
     if "format" in given:
         choice_of(given["format"], "format", ("1",), problems)
@@ -185,7 +197,8 @@ def _check_format(given: Fields, problems: Problems) -> None:
 
 def _known(draft: Draft, stages: Mapping[str, Draft]) -> Known:
     """Return the names that runs may use."""
-    functions = [name for one in draft.functions for name in (one.declared.name, *one.declared.components)]
+    every = [one for where in (draft, *stages.values()) for one in where.functions]
+    functions = [name for one in every for name in (one.declared.name, *one.declared.components)]
     return Known(
         stages=tuple(stages),
         states=[name for one in draft.states for name in (one.name, *one.components)],

@@ -16,12 +16,12 @@ from obscli.model.trouble import Problems
 ASSUMPTIONS: Final = ("positive", "nonzero", "real")
 STATE_KEYS: Final = ("unit", "description", "latex", "scale")
 SYSTEM_KEYS: Final = (
-    "time", "parameters", "functions", "states", "let", "A", "H", "B", "G", "dynamics", "measurements",
+    "time", "parameters", "functions", "signals", "states", "let", "A", "H", "B", "G", "dynamics", "measurements",
     "inputs", "disturbances", "outputs", "noise", "interval", "quantities", "linearize",
 )  # fmt: skip
 STAGE_KEYS: Final = (
-    "let", "A", "H", "B", "G", "dynamics", "measurements", "noise", "interval", "outputs", "parameters",
-    "fix", "description",
+    "let", "A", "H", "B", "G", "dynamics", "measurements", "noise", "interval", "signals", "outputs",
+    "parameters", "fix", "description",
 )  # fmt: skip
 
 
@@ -61,6 +61,7 @@ def read_draft(root: Node, path: str, known: tuple[str, ...], problems: Problems
         outputs=read_outputs(node("outputs"), under("outputs"), problems),
         noise=node("noise"),
         interval=node("interval"),
+        signals=node("signals"),
     )
 
 

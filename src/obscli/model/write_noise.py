@@ -32,6 +32,8 @@ def noise_lines(system: System) -> Iterator[str]:
     body += _prior(noise, system)
     if noise.step is not None:
         body += entry_lines("step", formula(noise.step), "  ")
+    if noise.signals:
+        body += entry_lines("signals", [(name, formula(e)) for name, e in noise.signals.items()], "  ")
     if body:
         yield "noise:"
         yield from body

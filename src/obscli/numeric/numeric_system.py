@@ -17,7 +17,7 @@ from obscli.model.expression import Derivative, Expression, postorder, symbols
 from obscli.model.system import Covector, Matrix, Parameter, System
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.motion import Motion
-from obscli.numeric.program import ROUNDING, Array, Program, Value, constant_error, constant_value
+from obscli.numeric.program import ROUNDING, Array, Program, Value, constant_error, constant_value, jet
 
 
 _UNKNOWN: Final = 1e100
@@ -39,7 +39,7 @@ class NumericSystem:
     Parameters
     ----------
     system : the system; parameters take their nominal values
-    start, stop : the interval; functions left open follow a sample motion over it
+    start, stop : the interval; functions left open follow a sample motion over it, signals their samples
 
     Raises
     ------
@@ -110,10 +110,11 @@ class NumericSystem:
     def covectors(self, rows: Sequence[Covector], t: Array) -> tuple[Array, Array]:
         """Return linear forms in the states at k instants, and their rounding errors, (k, len(rows), n) each.
 
-        Entries are not finite where they are undefined.
+        Entries are not finite where they are undefined, or where they need a derivative that jumps from
+        sample to sample of a signal: what is said with it does not hold across a sample.
         """
         entries = [entry for row in rows for entry in row.values()]
-        values = self.values(t, _orders(entries))
+        values = self._smooth_values(t, entries)
         found = iter(Program(entries).run_rounded(values, self.errors(values)))
         place = {name: j for j, name in enumerate(self.system.state_names)}
         result, errors = np.zeros((2, len(t), len(rows), self.n))
@@ -127,6 +128,31 @@ class NumericSystem:
         """Return time, parameters and functions at instants, derivatives up to the orders asked for."""
         moving = {} if self.motion is None else self.motion.values(t, orders)
         return {**self.constants, **moving, self.system.time: t}
+
+    def _smooth_values(self, t: Array, entries: Sequence[Expression]) -> dict[str, Value]:
+        orders, jumping = _orders(entries), self.jumping(entries)
+        smooth = {name: min(order, self._smoothness(name)) for name, order in orders.items()}
+        values = self.values(t, {name: max(order, 0) for name, order in smooth.items()})
+        gone = {jet(name, order): np.full(len(t), np.nan) for name, order in jumping}
+        return {**values, **gone}
+
+    def jumping(self, entries: Sequence[Expression]) -> list[tuple[str, int]]:
+        """Return the derivatives of signals in expressions that jump from sample to sample, with their order."""
+        orders = {name: 0 for name in symbols(*entries)} | _orders(entries)
+        return [
+            (name, order)
+            for name, most in orders.items()
+            for order in range(self._smoothness(name) + 1, most + 1)
+        ]
+
+    def _smoothness(self, name: str) -> int:
+        signals = self.motion.signals if self.motion else None
+        return 99 if signals is None or name not in signals.names else signals.smoothness(name)
+
+    def knots(self, start: float, stop: float) -> Array:
+        """Return the instants between two others at which a coefficient is not smooth: samples of signals."""
+        signals = self.motion.signals if self.motion else None
+        return np.empty(0) if signals is None else signals.knots(start, stop)
 
     def errors(self, values: Mapping[str, Value]) -> dict[str, Value]:
         """Return the errors of the values: of time and parameters by rounding, of functions as sampled."""

@@ -17,7 +17,7 @@ E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1 (collocat
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -56,6 +56,9 @@ _IN_VAIN: Final = 3
 #: A tail above this that halving does not lower is a pole.
 _POLE: Final = 1e-2
 _SHORTEST: Final = 1e-12
+
+#: A knot nearer to an edge than this share of the panel is at the edge.
+_APART: Final = 1e-7
 
 #: Panels of a time-invariant system are alike if their lengths agree to so many digits.
 _ALIKE: Final = 10
@@ -109,17 +112,31 @@ def edges_of(start: float, instants: Array, longest: float, most: int) -> Array:
 def panels(system: NumericSystem, edges: Array, effort: Effort) -> Iterator[Panels]:
     """Yield the panels between edges in order, in pieces that fit into memory.
 
+    Samples of signals are edges too: between them coefficients are smooth. They do not count as steps.
+
     Raises
     ------
     NotComputableError
         where a panel cannot be resolved however short it is, or a coefficient does not exist
     """
+    edges, inserted = _with_knots(edges, system.knots(float(edges[0]), float(edges[-1])))
+    effort = replace(effort, most_steps=effort.most_steps + 2 * inserted)
     size = NODES * system.n * (len(system.moving) + system.m)
     at_once = max(_CHUNK // max(size, 1), 1)
     solver = _Solver(system, effort)
     for first in range(0, len(edges) - 1, at_once):
         part = edges[first : first + at_once + 1]
         yield solver.resolved(part[:-1], part[1:])
+
+
+def _with_knots(edges: Array, knots: Array) -> tuple[Array, int]:
+    """Return the edges with the knots that are not at an edge already, and how many these are."""
+    if not len(knots):
+        return edges, 0
+    after = np.clip(np.searchsorted(edges, knots), 1, len(edges) - 1)
+    apart = np.minimum(knots - edges[after - 1], edges[after] - knots)
+    fresh = knots[apart > _APART * np.diff(edges)[after - 1]]
+    return np.union1d(edges, fresh), len(fresh)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
