@@ -26,7 +26,7 @@ from obscli.numeric.constraint import RESIDUAL, onto_relations
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.program import Array, Program, Value, jet
 from obscli.numeric.rule import Solution, solve_rules
-from obscli.numeric.signals import Signals
+from obscli.numeric.signals import Disturbed, Signals
 
 
 _SEED: Final = 20181
@@ -58,6 +58,7 @@ class Motion:
     system : functions, rules and relations
     constants : values of the parameters
     start, stop : the interval of time the motion is for
+    disturbed : noise to be added to signals
 
     Raises
     ------
@@ -65,10 +66,17 @@ class Motion:
         where no motion satisfies the relations, or the rules run away, or signals are not as the model says
     """
 
-    def __init__(self, system: System, constants: Mapping[str, float], start: float, stop: float) -> None:
+    def __init__(
+        self,
+        system: System,
+        constants: Mapping[str, float],
+        start: float,
+        stop: float,
+        disturbed: Disturbed | None = None,
+    ) -> None:
         self._system = system
         self._constants = constants
-        self.signals = Signals(system, start, stop) if system.sampled else None
+        self.signals = Signals(system, start, stop, disturbed) if system.sampled else None
         sampled = self.signals.names if self.signals else frozenset[str]()
         left_open = [f for f in system.functions if f.name not in sampled]
         rules = {f.name: f.derivative for f in left_open if f.derivative is not None}

@@ -18,6 +18,7 @@ from obscli.model.system import Covector, Matrix, Parameter, System
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.motion import Motion
 from obscli.numeric.program import ROUNDING, Array, Program, Value, constant_error, constant_value, jet
+from obscli.numeric.signals import Disturbed
 
 
 _UNKNOWN: Final = 1e100
@@ -40,6 +41,7 @@ class NumericSystem:
     ----------
     system : the system; parameters take their nominal values
     start, stop : the interval; functions left open follow a sample motion over it, signals their samples
+    disturbed : noise to be added to signals
 
     Raises
     ------
@@ -47,10 +49,12 @@ class NumericSystem:
         where a parameter has no value, or no sample motion exists
     """
 
-    def __init__(self, system: System, start: float, stop: float) -> None:
+    def __init__(
+        self, system: System, start: float, stop: float, disturbed: Disturbed | None = None
+    ) -> None:
         self.system = system
         self.constants = constants_of(system)
-        self.motion = Motion(system, self.constants, start, stop) if system.functions else None
+        self.motion = Motion(system, self.constants, start, stop, disturbed) if system.functions else None
         self.moving = np.array(sorted({i for i, _ in system.A.entries}), dtype=int)
         self._program = Program([*system.A.entries.values(), *system.H.entries.values()])
         self._orders = _orders([*system.A.entries.values(), *system.H.entries.values()])
@@ -66,6 +70,11 @@ class NumericSystem:
     def m(self) -> int:
         """The number of outputs."""
         return self.system.m
+
+    @property
+    def parts(self) -> tuple[NumericSystem, ...]:
+        """Systems that do not act on each other, and together are this one."""
+        return (self,)
 
     @cached_property
     def is_constant(self) -> bool:
@@ -160,8 +169,11 @@ class NumericSystem:
         found = {
             name: relative * np.abs(value) for name, value in values.items() if name not in self.constants
         }
+        signals = self.motion.signals if self.motion else None
+        sampled = {} if signals is None else signals.errors(values[self.system.time], values)
         return {
             **found,
+            **sampled,
             **self._constant_errors,
             self.system.time: ROUNDING * np.abs(values[self.system.time]),
         }

@@ -17,17 +17,17 @@ highest derivative they name is continuous: of order 2, 0 and −1.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from obscli.core.number import short
 from obscli.model.system import Interpolation, SignalFile, System
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
-from obscli.numeric.program import Array, constant_value, jet
+from obscli.numeric.program import ROUNDING, Array, Value, constant_value, jet
 from obscli.numeric.signal_table import FEWEST, read_columns
 
 
@@ -40,6 +40,12 @@ _GAP: Final = 10.0
 
 #: An instant beyond the samples by less than this share of their span is at their end.
 _END: Final = 1e-9
+
+#: Standard deviations of noise to be added to samples by function, and which draw of it.
+Disturbed: TypeAlias = tuple[Mapping[str, float], int]
+
+#: Roundings in a polynomial of the third degree, about.
+_ROUNDINGS: Final = 4.0
 
 #: Files kept in memory, each once for all systems that use it.
 _KEPT: Final = 4
@@ -86,6 +92,8 @@ class Samples:
         if self.interpolation == "previous":
             last = np.where(t >= self.t[-1], len(self.t) - 1, i)
             return self.values[last][:, columns].T if order == 0 else np.zeros((len(columns), len(t)))
+        if order > DEGREE[self.interpolation]:
+            return np.zeros((len(columns), len(t)))
         h = (self.t[i + 1] - self.t[i])[:, None]
         u = (t[:, None] - self.t[i][:, None]) / h
         y, rise = self.values[i][:, columns], (self.values[i + 1] - self.values[i])[:, columns]
@@ -114,8 +122,10 @@ class Signals:
         where a file is not as the model says, has a gap in the interval, or does not cover it
     """
 
-    def __init__(self, system: System, start: float, stop: float) -> None:
+    def __init__(self, system: System, start: float, stop: float, disturbed: Disturbed | None = None) -> None:
         self._files = samples_of(system)
+        if disturbed is not None:
+            self._files = tuple(_noisier(one, *disturbed) for one in self._files)
         first, last = overlap(self._files)
         room = _END * (last - first)
         if start < first - room or stop > last + room:
@@ -156,6 +166,20 @@ class Signals:
                     found[jet(file.names[k], order)] = values
         return found
 
+    def errors(self, t: Value, values: Mapping[str, Value]) -> dict[str, Value]:
+        """Return the rounding errors of signals and derivatives among some values: time itself is rounded."""
+        inside = np.clip(np.atleast_1d(t), *self._ends)
+        found: dict[str, Value] = {}
+        for file in self._files:
+            order = 0
+            while columns := [k for k, name in enumerate(file.names) if jet(name, order) in values]:
+                rates = file.at(inside, order + 1, columns)
+                for k, rate in zip(columns, rates, strict=True):
+                    name = jet(file.names[k], order)
+                    found[name] = _ROUNDINGS * ROUNDING * (np.abs(values[name]) + np.abs(rate * inside))
+                order += 1
+        return found
+
     def smoothness(self, name: str) -> int:
         """Return the highest order of a derivative of a signal that is continuous, −1: it jumps itself."""
         return CONTINUOUS[self._of[name][0].interpolation]
@@ -168,6 +192,19 @@ class Signals:
             first, last = np.searchsorted(file.t, [start + near, stop - near])
             parts.append(file.t[first:last])
         return np.unique(np.concatenate(parts)) if parts else np.empty(0)
+
+
+def _noisier(samples: Samples, deviations: Mapping[str, float], draw: int) -> Samples:
+    """Return the samples with white noise added; another draw for every number and file."""
+    places = [k for k, name in enumerate(samples.names) if name in deviations]
+    seed = [draw, *(ord(letter) for letter in samples.file), len(samples.t)]
+    sizes = np.array([deviations[samples.names[k]] for k in places])
+    noise = sizes * np.random.default_rng(seed).standard_normal((len(samples.t), len(places)))
+    values, slopes = samples.values.copy(), samples.slopes.copy()
+    values[:, places] += noise
+    if samples.interpolation == "cubic":
+        slopes[:, places] += slopes_of(samples.t, noise)
+    return replace(samples, values=values, slopes=slopes)
 
 
 def samples_of(system: System) -> tuple[Samples, ...]:

@@ -16,9 +16,9 @@ E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1 (collocat
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -32,8 +32,11 @@ from obscli.numeric.settings import Effort
 
 NODES: Final = 16
 
-#: The nodes at which rounding errors of the coefficients are looked at: the largest counts for the panel.
-_PROBED: Final = [0, NODES // 3, 2 * NODES // 3, NODES - 1]
+#: Nodes of panels between samples of signals, which are short.
+FEW_NODES: Final = 8
+
+#: At how many nodes rounding errors of the coefficients are looked at: the largest counts for the panel.
+_PROBED: Final = 4
 
 #: A panel starts at most so long in units of 1/λ (the iteration converges like (hλ)^k/k!) and of 1/ν.
 _MOST_TURN: Final = 2.0
@@ -121,9 +124,10 @@ def panels(system: NumericSystem, edges: Array, effort: Effort) -> Iterator[Pane
     """
     edges, inserted = _with_knots(edges, system.knots(float(edges[0]), float(edges[-1])))
     effort = replace(effort, most_steps=effort.most_steps + 2 * inserted)
-    size = NODES * system.n * (len(system.moving) + system.m)
+    nodes = FEW_NODES if 2 * inserted > len(edges) else NODES
+    size = nodes * system.n * (len(system.moving) + system.m)
     at_once = max(_CHUNK // max(size, 1), 1)
-    solver = _Solver(system, effort)
+    solver = _Solver(system, effort, nodes)
     for first in range(0, len(edges) - 1, at_once):
         part = edges[first : first + at_once + 1]
         yield solver.resolved(part[:-1], part[1:])
@@ -164,13 +168,43 @@ def not_resolved(system: NumericSystem, t: float) -> str:
     )
 
 
+#: Panels, the tail of A X, and its size, (k, p, n) both.
+Solved: TypeAlias = tuple[Panels, Array, Array]
+
+
+def _beside(parts: Sequence[Solved]) -> Solved:
+    """Return independent systems as one, the states of one after those of the other, their outputs added."""
+    if len(parts) == 1:
+        return parts[0]
+    found = [one for one, _, _ in parts]
+    panel = Panels(
+        ends=found[0].ends,
+        transition=_blocks([one.transition for one in found]),
+        rows=np.concatenate([one.rows for one in found], axis=2),
+        transition_error=_blocks([one.transition_error for one in found]),
+        row_error=np.concatenate([one.row_error for one in found], axis=1),
+    )
+    return panel, _blocks([tail for _, tail, _ in parts]), _blocks([size for _, _, size in parts])
+
+
+def _blocks(parts: Sequence[Array]) -> Array:
+    """Return block-diagonal matrices, from stacks of each block."""
+    found = np.zeros((len(parts[0]), *np.sum([one.shape[1:] for one in parts], axis=0)))
+    row = column = 0
+    for one in parts:
+        found[:, row : row + one.shape[1], column : column + one.shape[2]] = one
+        row, column = row + one.shape[1], column + one.shape[2]
+    return found
+
+
 class _Solver:
     """Solves panels of one system."""
 
-    def __init__(self, system: NumericSystem, effort: Effort) -> None:
+    def __init__(self, system: NumericSystem, effort: Effort, nodes: int) -> None:
         self._system = system
         self._effort = effort
-        self._rule = gauss_legendre(NODES)
+        self._rule = gauss_legendre(nodes)
+        self._probed = np.linspace(0, nodes - 1, _PROBED).round().astype(int)
         self._solved = 0
 
     def resolved(self, starts: Array, stops: Array, parents: Parents | None = None) -> Panels:
@@ -186,7 +220,7 @@ class _Solver:
         if parents is None and self._system.is_constant and len(starts) > 1:
             return self._alike(starts, stops)
         with np.errstate(over="ignore", invalid="ignore"):  # not finite: does not stand
-            found, tail, largest = self._solve(starts, stops)
+            found, tail, largest = _beside([self._solve(one, starts, stops) for one in self._system.parts])
         if parents is not None:
             largest = np.maximum(largest, parents.largest)
         unresolved = (tail / np.maximum(largest, 1e-300)).max(axis=(1, 2), initial=0.0)
@@ -231,17 +265,18 @@ class _Solver:
             spread(lambda p: p.row_error),
         )
 
-    def _solve(self, starts: Array, stops: Array) -> tuple[Panels, Array, Array]:
+    def _solve(self, system: NumericSystem, starts: Array, stops: Array) -> Solved:
         """Return the panels, the tail of A X (0: noise, infinite: X does not stand), and the size of A X."""
-        system, rule = self._system, self._rule
+        rule, nodes = self._rule, len(self._rule.nodes)
         moving, n = system.moving, system.n
         h = stops - starts
         t = starts[:, None] + h[:, None] * rule.nodes
-        A, H = (one.reshape(len(h), NODES, -1, n) for one in system.matrices(t.ravel()))
-        errors = system.coefficients(t[:, _PROBED].ravel())
-        A_error = errors.A_error.reshape(len(h), len(_PROBED), -1, n).max(axis=1)
-        H_error = errors.H_error.reshape(len(h), len(_PROBED), -1, n).max(axis=1)
-        X, derivative, stands = self._iterate(A[..., moving], _without(A, moving), h)
+        A, H = (one.reshape(len(h), nodes, -1, n) for one in system.matrices(t.ravel()))
+        errors = system.coefficients(t[:, self._probed].ravel())
+        A_error = errors.A_error.reshape(len(h), _PROBED, -1, n).max(axis=1)
+        H_error = errors.H_error.reshape(len(h), _PROBED, -1, n).max(axis=1)
+        base = np.eye(n)[moving] - _summed(rule.backward, h[:, None, None, None] * _without(A, moving))
+        X, derivative, stands = self._iterate(A[..., moving], _without(A, moving), base, h)
         largest = np.where(stands[:, None, None], np.abs(derivative).max(axis=1), 0.0)
         tail = np.where(stands[:, None, None], _tail(derivative, rule.spectrum), np.inf)
         size, largest_X = np.abs(A).max(axis=1), np.abs(X).max(axis=1)
@@ -254,8 +289,8 @@ class _Solver:
             return squared
 
         # sums round at random from node to node; so do coefficients where they vary
-        drift = over_panel(2 * ROUNDING * size) / NODES
-        drift += over_panel(A_error) / (1 if system.is_constant else NODES)
+        drift = over_panel(2 * ROUNDING * size) / nodes
+        drift += over_panel(A_error) / (1 if system.is_constant else nodes)
         whole = step * _summed(rule.weights[None], derivative)[:, 0]
         in_rows = times(H_error**2, largest_X**2, moving)
         in_rows += (H**2).max(axis=1)[..., moving] @ drift
@@ -263,18 +298,19 @@ class _Solver:
         found = Panels(
             ends=stops,
             transition=np.eye(n)[moving] - whole,
-            rows=(shares * times(H, X, moving)).reshape(len(h), NODES * system.m, n),
-            transition_error=(step * tail / NODES) ** 2 + drift,
+            rows=(shares * times(H, X, moving)).reshape(len(h), nodes * system.m, n),
+            transition_error=(step * tail / nodes) ** 2 + drift,
             row_error=h[:, None] * in_rows.sum(axis=1),
         )
         return found, np.where(stands[:, None, None] & (tail <= _NOISY * noise), 0.0, tail), largest
 
-    def _iterate(self, inner: Array, outer: Array, h: Array) -> tuple[Array, Array, Flags]:
+    def _iterate(self, inner: Array, outer: Array, base: Array, h: Array) -> tuple[Array, Array, Flags]:
         """Iterate X ← I − h B (A X), all panels together.
 
         Parameters
         ----------
         inner, outer : the moving columns of A (k, s, p, p); A with zeros there (k, s, p, n)
+        base : I − h B (A X) without the moving columns, shape (k, s, p, n)
 
         Returns
         -------
@@ -283,7 +319,6 @@ class _Solver:
         stands : for which panels the iteration has come to rest, shape (k,)
         """
         step = h[:, None, None, None]
-        base = np.eye(self._system.n)[self._system.moving] - _summed(self._rule.backward, step * outer)
         inner, X = step * inner, base
         inner_size, outer_size = np.abs(inner).max(axis=1), h[:, None, None] * np.abs(outer).max(axis=1)
         first = _sweeps_needed(float(inner_size.sum(axis=2).max(initial=0.0)))
