@@ -100,7 +100,8 @@ class NumericFinding:
     rank : the largest rank decided at any instant, None where there is none
     sampled : the functions of time for which a sample motion was taken
     window : the shortest window where some are shorter than the whole interval, else None
-    states : every state as observable, coupled or unobservable, as the Gramian shows it; may be empty
+    states : every state as observable, coupled or unobservable, as the Gramian shows it; may be empty; not
+        excited where noise of the signals alone would show it as observable
     groups : states that share combinations
     signals : functions that files give, None where there are none
     """
@@ -115,7 +116,7 @@ class NumericFinding:
     rank: int | None
     sampled: tuple[str, ...]
     window: float | None
-    states: Mapping[str, Literal["observable", "coupled", "unobservable"]]
+    states: Mapping[str, Literal["observable", "coupled", "unobservable", "not excited"]]
     groups: tuple[tuple[str, ...], ...]
     signals: SignalsFinding | None = None
 

@@ -23,6 +23,9 @@ def finding_of(numeric: Numeric, *, bases: bool = False, verdicts: bool = True) 
     """
     curves = echelon_curves(numeric) if verdicts else None
     motion = numeric.system.motion
+    signals = _signals(numeric)
+    hidden = () if signals is None else signals.not_excited
+    states = {} if curves is None else curves.states
     return NumericFinding(
         system=numeric.system.system,
         method=numeric.settings.method,
@@ -34,9 +37,12 @@ def finding_of(numeric: Numeric, *, bases: bool = False, verdicts: bool = True) 
         rank=numeric.rank,
         sampled=motion.names if motion else (),
         window=numeric.window,
-        states={} if curves is None else curves.states,
+        states={
+            name: "not excited" if own == "observable" and name in hidden else own
+            for name, own in states.items()
+        },
         groups=() if curves is None else tuple(group for group in curves.groups if len(group) > 1),
-        signals=_signals(numeric),
+        signals=signals,
     )
 
 
