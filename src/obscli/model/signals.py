@@ -61,9 +61,13 @@ def with_signals(
             problems.add(one.key.problem(path, f"the signal '{shown(one.name)}' is given twice"))
         elif one.name not in listed:
             cells = component_names(one.name, one.shape)
-            functions[one.name] = FunctionDraft(Declared(one.name, one.key, one.shape, cells, {}), implied=True)
+            functions[one.name] = FunctionDraft(
+                Declared(one.name, one.key, one.shape, cells, {}), implied=True
+            )
         elif listed[one.name].shape != one.shape:
-            message = f"'{one.name}' is {named(listed[one.name].shape)} under `functions`, not {named(one.shape)}"
+            message = (
+                f"'{one.name}' is {named(listed[one.name].shape)} under `functions`, not {named(one.shape)}"
+            )
             problems.add(one.key.problem(path, message))
     if base is not None:
         _check_names(functions, base, path, problems)
@@ -105,9 +109,7 @@ class _Reading:
             columns = [column for one in signals for column in one.columns]
             names = [("time", time), *((one.column.text, one.column) for one in columns)]
             self._check_columns(given["file"][1], file, [node for _, node in names if node], path)
-        kind = choice_of(
-            given.get("interpolation"), f"{path}.interpolation", INTERPOLATIONS, self.problems
-        )
+        kind = choice_of(given.get("interpolation"), f"{path}.interpolation", INTERPOLATIONS, self.problems)
         return SignalFileDraft(
             node=node,
             file=file,
@@ -138,7 +140,11 @@ class _Reading:
         if "zero" in inner:
             start = inner["zero"][1]
             text = start.text if isinstance(start, Scalar) else ""
-            zero = text if text in {"first", "value"} else self._number(inner, "zero", below, sign=False) or "value"
+            zero = (
+                text
+                if text in {"first", "value"}
+                else self._number(inner, "zero", below, sign=False) or "value"
+            )
         column = self._column(inner["column"][1], f"{below}.column") if "column" in inner else None
         return column, self._number(inner, "factor", below), zero
 
@@ -160,7 +166,9 @@ class _Reading:
             return None
         hint = "write the number itself; parameters have no place in `signals`"
         absent = {name: Absent(f"'{name}' is a parameter", hint) for name in self.parameters}
-        value = constant(formula(node, below, self.problems), Scope({}, unchanging, Meter(), absent), self.problems)
+        value = constant(
+            formula(node, below, self.problems), Scope({}, unchanging, Meter(), absent), self.problems
+        )
         if sign and isinstance(value, Number) and value.value == 0:
             self.problems.add(node.problem(below, "this must not be zero"))
             return None
@@ -226,7 +234,9 @@ class _Reading:
         try:
             names = names_in(file)
         except TableError as error:
-            self.problems.add(node.problem(f"{path}.file", f"{shown(file.name)}: {error.message}", error.hint))
+            self.problems.add(
+                node.problem(f"{path}.file", f"{shown(file.name)}: {error.message}", error.hint)
+            )
             return
         if names is None:
             return
@@ -263,7 +273,7 @@ def signal_files(draft: Draft, left: Collection[str]) -> tuple[SignalFile, ...]:
             SignalColumn(cell, column.column.text, column.factor, column.unwrap, column.column.place)
             for one in file.signals
             for cell, column in zip(cells.get(one.name, ()), one.columns, strict=False)
-            if cell in left
+            if cell is not None and cell in left
         )
         if file.file is not None and file.time is not None:
             found.append(

@@ -46,5 +46,3 @@ def _column(column: SignalColumn) -> str | list[Entry]:
     if column.unwrap is not None:
         entries.append(("unwrap", formula(column.unwrap)))
     return scalar(column.column) if len(entries) == 1 else entries
-
-

@@ -68,7 +68,7 @@ class Pair(NumericSystem):
         return 2 * self._one.n
 
     @property
-    def is_constant(self) -> bool:  # type: ignore[override]
+    def is_constant(self) -> bool:
         """Whether no coefficient varies with time."""
         return False
 

@@ -147,7 +147,7 @@ class NumericSystem:
 
     def jumping(self, entries: Sequence[Expression]) -> list[tuple[str, int]]:
         """Return the derivatives of signals in expressions that jump from sample to sample, with their order."""
-        orders = {name: 0 for name in symbols(*entries)} | _orders(entries)
+        orders = dict.fromkeys(symbols(*entries), 0) | _orders(entries)
         return [
             (name, order)
             for name, most in orders.items()

@@ -59,7 +59,8 @@ def _csv(path: Path, header: Header, names: Sequence[str]) -> Array:
             encoding="utf-8-sig",
         )
     except (ValueError, IndexError, UnicodeDecodeError) as error:
-        raise NotComputableError(_unreadable_line(path, header, names, places) or f"{path.name}: {error}") from None
+        reason = _unreadable_line(path, header, names, places) or f"{path.name}: {error}"
+        raise NotComputableError(reason) from None
     return np.ascontiguousarray(found.reshape(-1, len(names)).T)
 
 

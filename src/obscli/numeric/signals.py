@@ -297,7 +297,7 @@ def _require_order(name: str, column: str, raw: Array, t: Array) -> None:
     if raw[k] == raw[k + 1]:
         raise NotComputableError(f"{where}: the time {raw[k]:.10g} stands twice: leave out one of the rows")
     if (np.diff(raw) < 0).all() or len(bad) == len(steps):
-        raise NotComputableError(f"{where}: times go backwards: sort the rows, or change the sign of `factor`")
+        raise NotComputableError(f"{where}: times go backwards: sort the rows")
     raise NotComputableError(
         f"{where}: {raw[k + 1]:.10g} follows {raw[k]:.10g}: times must grow; sort the rows, or cut the file "
         "where its clock was set"
@@ -363,5 +363,3 @@ def _no_derivative(file: Samples, name: str, order: int) -> str:
         f"{file.interpolation}` (up to order {DEGREE[file.interpolation]} it does): choose cubic, or give "
         "the derivative a column of its own"
     )
-
-

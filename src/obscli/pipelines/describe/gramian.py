@@ -24,7 +24,7 @@ from obscli.core.number import plain as number
 from obscli.core.number import short
 from obscli.numeric.finding import NotComputed, NumericFinding, NumericPoint
 from obscli.pipelines.describe.instants import runs, span
-from obscli.pipelines.describe.words import NOT_EXCITED, SIGNS, names
+from obscli.pipelines.describe.words import ALL_SIGNS, names
 from obscli.pipelines.stage_result import StageResult
 
 
@@ -142,7 +142,7 @@ def gramian_state_blocks(result: StageResult) -> Iterator[Block]:
         return
     yield Heading(2, plain("States, as the Gramian shows them"))
     rows = []
-    for verdict, (mark, role) in {**SIGNS, "not excited": NOT_EXCITED}.items():
+    for verdict, (mark, role) in ALL_SIGNS.items():
         members = tuple(state for state, own in found.states.items() if own == verdict)
         if members:
             groups = found.groups if verdict == "coupled" else (members,)

@@ -17,7 +17,7 @@ from obscli.pipelines.stage_result import StageResult
 COLUMNS: Final = (Column(), Column(breaks=True))
 EXACT: Final = (
     "signals taken as exact: noise in a log looks like motion, and may be all that makes a direction seem "
-    "observable. Give its standard deviation, as in noise: {{signals: {{{name}: 0.05}}}}, to have that tested."
+    "observable. Give its standard deviation, as in noise: {{signals: {{{name}: 0.05}}}}, to have it tested."
 )
 
 
@@ -35,9 +35,7 @@ def signal_blocks(result: StageResult) -> Iterator[Block]:
         yield Note("warning", plain(f"the work of noise could not be told: {signals.reason}"))
 
 
-def _facts(
-    result: StageResult, found: NumericFinding, signals: SignalsFinding
-) -> Iterator[tuple[Cell, ...]]:
+def _facts(result: StageResult, found: NumericFinding, signals: SignalsFinding) -> Iterator[tuple[Cell, ...]]:
     for one in signals.files:
         span = f"{one.count} samples from {number(one.start)} to {number(one.stop)}, {one.interpolation}: "
         yield line(Text(one.file)), (((Text(span), *names(one.names)),))

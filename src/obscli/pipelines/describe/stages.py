@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Final
+from typing import Final, Literal
 
 from obscli.core.document import Block, Cell, Column, Heading, Paragraph, Table, Text, line, plain
-from obscli.exact.finding import Analysis
+from obscli.exact.finding import Analysis, LinearFormVerdict
 from obscli.numeric.finding import NumericFinding
 from obscli.pipelines.describe.signals import excited_rank, not_excited
-from obscli.pipelines.describe.words import NOT_EXCITED, SIGNS, sign
+from obscli.pipelines.describe.words import ALL_SIGNS, SIGNS, sign
 from obscli.pipelines.stage_result import StageResult
 
 
@@ -25,8 +25,8 @@ def stage_table_blocks(results: tuple[StageResult, ...]) -> Iterator[Block]:
     numbered = sum(len(label) + 2 for label in labels) > WIDEST_HEADER
     titles = [str(k) for k in range(1, len(labels) + 1)] if numbered else labels
     columns = (Column("state"), *(Column(title, "centre") for title in titles))
-    signs = {**SIGNS, "not excited": NOT_EXCITED} if any(map(not_excited, results)) else SIGNS
-    legend = ", ".join(f"{mark} {verdict}" for verdict, (mark, _) in signs.items())
+    shown = [verdict for verdict in ALL_SIGNS if verdict in SIGNS or any(map(not_excited, results))]
+    legend = ", ".join(f"{ALL_SIGNS[verdict][0]} {verdict}" for verdict in shown)
     yield Heading(1, plain(f"{results[0].model.name}: states × stages"))
     yield Table(columns, tuple(_rows(results)), (Text(legend, "faint"),))
     if numbered:
@@ -49,7 +49,7 @@ def _verdict(result: StageResult, state: str) -> Text:
         return sign("not excited")
     match result.finding, result.numeric:
         case Analysis(states=states), _:
-            verdict = states.get(state)
+            verdict: LinearFormVerdict | Literal["not excited"] | None = states.get(state)
         case None, NumericFinding(states=seen) if seen:
             verdict = seen.get(state)
         case _:

@@ -178,6 +178,8 @@ def _numeric_verdict(numeric: NumericFinding | NotComputed | None) -> str:
             return f"not checked against the Gramian: {reason}"
         case NumericFinding(rank=None):
             return "the Gramian decides the rank at no instant: no gap"
+        case NumericFinding(signals=signals) if signals is not None and signals.is_noise:
+            return _noise(signals, numeric.system.n)
         case NumericFinding():
             count = sum(p.decided and p.rank == numeric.rank for p in numeric.points)
             return f"the Gramian shows rank {numeric.rank} at {count} of {len(numeric.points)} instants"

@@ -17,6 +17,7 @@ SIGNS: Final[dict[StateVerdict, tuple[str, Role]]] = {
 }
 #: What only noise of signals shows.
 NOT_EXCITED: Final[tuple[str, Role]] = ("○", "open")
+ALL_SIGNS: Final[dict[str, tuple[str, Role]]] = {**SIGNS, "not excited": NOT_EXCITED}
 UNDECIDED: Final[tuple[str, Role]] = ("?", "open")
 
 
