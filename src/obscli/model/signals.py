@@ -126,7 +126,7 @@ class _Reading:
     ) -> tuple[Scalar | None, Expression | None, Expression | str]:
         """Return the column of the time, its factor and its zero."""
         if "time" not in given:
-            if not isinstance(node, Broken):
+            if isinstance(node, MappingNode):
                 hint = "time: t, or time: {column: t_ms, factor: 1e-3, zero: first}"
                 self.problems.add(node.problem(path, "`time` is missing: the column with the times", hint))
             return None, None, "value"
@@ -179,7 +179,7 @@ class _Reading:
 
     def _signals(self, given: Fields, node: Node, path: str) -> Iterator[SignalDraft]:
         if "columns" not in given:
-            if not isinstance(node, Broken):
+            if isinstance(node, MappingNode):
                 hint = "columns: {f_b: [fx, fy, fz], yaw: {column: hdg_deg, factor: pi/180}}"
                 message = "`columns` is missing: the functions of time, with the columns they are in"
                 self.problems.add(node.problem(path, message, hint))

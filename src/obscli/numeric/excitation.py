@@ -10,6 +10,8 @@ Where s̄ shows nothing of v, R v is the work of e, as E v is that of ẽ, and b
 counts as excited where |R v| > κ |E v|. On the row space of R = U S Vᵀ, v = V S⁻¹ w, the directions are the
 singular vectors of N = E V S⁻¹, and those are excited whose singular value is below 1/κ. The others, with the
 kernel, are hidden; a state is not excited where a hidden direction contains it, beyond what noise may do.
+What of E v looks like a change along excited directions is left out, since v was chosen free of that in R:
+E v is projected, and the rest tried again until no direction is added.
 """
 
 from __future__ import annotations
@@ -106,19 +108,43 @@ def excitation(numeric: Numeric) -> Excitation | None:
     D = 1 / np.where(length > 0, length, 1.0)  # a state that only noise shows counts like the others
     _, S, V = np.linalg.svd(draws[-1][0] * D)
     inverse = V[: numeric.rank].T / S[: numeric.rank]
-    N = np.concatenate([noise for _, noise in draws]) / np.sqrt(_DRAWS) * D @ inverse
-    _, size, W = np.linalg.svd(N)
-    kept = CLEAR * size < 1
-    hidden, _ = np.linalg.qr(np.hstack([V[numeric.rank :].T, inverse @ W[~kept].T]))
-    seen = inverse @ W[kept].T
-    with np.errstate(divide="ignore"):
-        ratios = (1 / size)[::-1]
+    clear_ones, others, ratios = _told_apart(
+        [(shown * D @ inverse, noise * D @ inverse) for shown, noise in draws]
+    )
+    hidden, _ = np.linalg.qr(np.hstack([V[numeric.rank :].T, inverse @ others]))
     return Excitation(
         t=float(numeric.horizon.instants[i]),
-        ratios=tuple(ratios.tolist()),
-        excited=int(kept.sum()),
-        not_excited=_touched(numeric, draws, D, hidden, seen),
+        ratios=tuple(sorted(ratios, reverse=True)),
+        excited=clear_ones.shape[1],
+        not_excited=_touched(numeric, draws, D, hidden, inverse @ clear_ones),
     )
+
+
+def _told_apart(draws: list[tuple[Array, Array]]) -> tuple[Array, Array, list[float]]:
+    """Return orthonormal w that stand clear of noise, the others, and |R v| / |E v| of all.
+
+    Parameters
+    ----------
+    draws : R V S⁻¹, with orthonormal columns, and E V S⁻¹, shape (k, r) both
+    """
+    rank = draws[0][0].shape[1]
+    seen, others, ratios = np.zeros((rank, 0)), np.eye(rank), list[float]()
+    while True:
+        rest = []
+        for shown, noise in draws:
+            known = shown @ seen
+            work = noise @ others
+            rest.append(work - known @ (known.T @ work))
+        _, size, W = np.linalg.svd(np.concatenate(rest) / np.sqrt(len(draws)))
+        fresh = CLEAR * size < 1
+        with np.errstate(divide="ignore"):
+            found = (1 / size).tolist()
+        if not fresh.any():
+            return seen, others, [*ratios, *found]
+        ratios += [one for one, clear in zip(found, fresh, strict=True) if clear]
+        seen, others = np.hstack([seen, others @ W[fresh].T]), others @ W[~fresh].T
+        if not others.shape[1]:
+            return seen, others, ratios
 
 
 def _draws(numeric: Numeric, i: int, deviations: Mapping[str, float]) -> list[tuple[Array, Array]]:

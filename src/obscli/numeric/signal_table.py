@@ -102,10 +102,14 @@ def _npz(path: Path, names: Sequence[str]) -> Mapping[str, Any]:
 
 
 def _mat(path: Path, names: Sequence[str]) -> Mapping[str, Any]:
-    from scipy.io import loadmat  # noqa: PLC0415 - for this format only
+    from scipy.io import loadmat, matlab  # noqa: PLC0415 - for this format only
 
     wanted = {variable_of(name)[0] for name in names} | set(names)
-    return {name: value for name, value in loadmat(path).items() if name in wanted}
+    try:
+        found = loadmat(path, variable_names=sorted(wanted))
+    except matlab.MatReadError as error:
+        raise ValueError(str(error)) from None
+    return {name: value for name, value in found.items() if name in wanted}
 
 
 def _parquet(path: Path, names: Sequence[str]) -> Mapping[str, Any]:
