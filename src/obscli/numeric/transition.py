@@ -33,7 +33,7 @@ from obscli.numeric.settings import Effort
 NODES: Final = 16
 
 #: Nodes of panels between samples of signals, which are short.
-FEW_NODES: Final = 8
+FEW_NODES: Final = 10
 
 #: At how many nodes rounding errors of the coefficients are looked at: the largest counts for the panel.
 _PROBED: Final = 4
@@ -122,6 +122,7 @@ def panels(system: NumericSystem, edges: Array, effort: Effort) -> Iterator[Pane
     NotComputableError
         where a panel cannot be resolved however short it is, or a coefficient does not exist
     """
+    coarse = edges
     edges, inserted = _with_knots(edges, system.knots(float(edges[0]), float(edges[-1])))
     effort = replace(effort, most_steps=effort.most_steps + 2 * inserted)
     nodes = FEW_NODES if 2 * inserted > len(edges) else NODES
@@ -130,7 +131,8 @@ def panels(system: NumericSystem, edges: Array, effort: Effort) -> Iterator[Pane
     solver = _Solver(system, effort, nodes)
     for first in range(0, len(edges) - 1, at_once):
         part = edges[first : first + at_once + 1]
-        yield solver.resolved(part[:-1], part[1:])
+        whole = np.searchsorted(coarse, part[:-1], side="right") if inserted else None
+        yield solver.resolved(part[:-1], part[1:], whole=whole)
 
 
 def _with_knots(edges: Array, knots: Array) -> tuple[Array, int]:
@@ -148,7 +150,8 @@ class Parents:
     """Of the panels that some are halves of: how far from being resolved, (k,), the size of A X, (k, p, n).
 
     ``in_vain``: how many halvings in a row did not improve them, shape (k,).
-    An entry that passes through zero inside a short panel is held to its size on the panel it began with.
+    An entry that passes through zero inside a short panel is held to its size on the panel it began with, and
+    so is one between samples of signals.
     """
 
     unresolved: Array
@@ -207,12 +210,15 @@ class _Solver:
         self._probed = np.linspace(0, nodes - 1, _PROBED).round().astype(int)
         self._solved = 0
 
-    def resolved(self, starts: Array, stops: Array, parents: Parents | None = None) -> Panels:
+    def resolved(
+        self, starts: Array, stops: Array, parents: Parents | None = None, whole: Counts | None = None
+    ) -> Panels:
         """Return the panels, those that are not resolved halved until they are.
 
         Parameters
         ----------
         parents : what is known of the panels that these are halves of
+        whole : numbers, in order, of the panels that these are parts of between samples of signals, (k,)
         """
         self._solved += len(starts)
         if self._solved > self._effort.most_steps:
@@ -223,6 +229,9 @@ class _Solver:
             found, tail, largest = _beside([self._solve(one, starts, stops) for one in self._system.parts])
         if parents is not None:
             largest = np.maximum(largest, parents.largest)
+        if whole is not None:
+            _, first, which = np.unique(whole, return_index=True, return_inverse=True)
+            largest = np.maximum.reduceat(largest, first, axis=0)[which]
         unresolved = (tail / np.maximum(largest, 1e-300)).max(axis=(1, 2), initial=0.0)
         bad = unresolved > self._effort.rtol
         in_vain = np.zeros(len(starts), dtype=int)
