@@ -1,4 +1,4 @@
-"""Signals: how fast a record is read and prepared, and a Gramian found over all of it, and in how much memory.
+"""Signals: how fast a record is read, and a Gramian found over all of it, in how much memory.
 
     python benchmarks/signals.py [samples]
 

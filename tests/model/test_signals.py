@@ -130,7 +130,8 @@ def test_what_is_written_is_read_back(write, tmp_path):
     assert [(c.name, c.column) for c in mine.columns] == [(c.name, c.column) for c in other.columns]
     factors = [[to_text(c.factor) for c in one.columns if c.factor is not None] for one in (mine, other)]
     assert factors[0] == factors[1] == ["pi/180"]
-    assert system.noise is not None and again.noise is not None
+    assert system.noise is not None
+    assert again.noise is not None
     assert texts(again.noise.signals) == texts(system.noise.signals)
 
 

@@ -1,5 +1,7 @@
 """Samples as functions of time: what interpolation reproduces, and what of a file is refused."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -197,7 +199,7 @@ def test_edges_stand_at_the_samples(model, interpolation):
     numeric = NumericSystem(system, t[0], t[-1])
     fine, weights = np.polynomial.legendre.leggauss(12)
     W, phi = np.zeros((2, 2)), 0.0  # x' = f y, y' = 0: x(τ) = x(t) − ∫_τ^t f y
-    for a, b in reversed(list(zip(t[:-1], t[1:], strict=True))):
+    for a, b in reversed(list(pairwise(t))):
         nodes, h = (a + b) / 2 + (b - a) / 2 * fine, b - a
         inner = [(x + b) / 2 + (b - x) / 2 * fine for x in nodes]
         parts = [(b - x) / 2 * weights @ f(numeric, one, "f") for x, one in zip(nodes, inner, strict=True)]

@@ -21,7 +21,7 @@ class Seen:
     """What was seen: of ``count`` instants ``conclusive`` ones, at ``leaking`` of which χ exceeds its bound.
 
     ``surely``: by far; ``kernel``: q at the conclusive instants; ``above``: a rank above the exact one;
-    ``expected``: the exact rank, where it is known; ``excited``: the rank that recorded signals show, below it.
+    ``expected``: the exact rank, where it is known; ``excited``: a rank below it that recorded signals show.
     """
 
     count: int

@@ -205,8 +205,8 @@ def _notes(system: System) -> tuple[str, ...]:
     notes = []
     if sampled:
         notes.append(
-            f"The rank holds at generic values of the signals {', '.join(sampled)}: it is what generic motion "
-            "makes observable; what the recorded one does is seen by the Gramian."
+            f"The rank holds at generic values of the signals {', '.join(sampled)}: it is what generic "
+            "motion makes observable; what the recorded one does is seen by the Gramian."
         )
     if free:
         notes.append(

@@ -77,7 +77,7 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
         tuple((state.name, state.vector) for state in states),
         _disturbances(draft, dynamics.disturbances),
         tuple((output.name, output.vector) for output in outputs),
-        _sampled(draft, known),
+        _sampled(draft),
     )
     quantities = _quantities(draft, still, problems)
     noise = noise_of(draft.noise, targets, known.scope, problems)
@@ -115,16 +115,14 @@ def _require_files(draft: Draft, setting: Setting, problems: Problems) -> None:
             problems.add(one.node.problem("signals", "`file` is missing: the file with the samples"))
 
 
-def _sampled(draft: Draft, known: Environment) -> tuple[tuple[str, str], ...]:
-    """Return the scalar functions that are signals, each with the name it was declared under."""
+def _sampled(draft: Draft) -> tuple[tuple[str, str], ...]:
+    """Return the scalar functions that are signals, fixed or not, each with the name it was declared under."""
     names = {one.name for file in draft.sampled or () for one in file.signals}
-    left = {one.name for one in known.functions}
     return tuple(
         (cell, one.declared.vector)
         for one in draft.functions
         if one.declared.name in names
         for cell in one.declared.components
-        if cell in left
     )
 
 

@@ -16,8 +16,8 @@ from obscli.model.trouble import Problems
 ASSUMPTIONS: Final = ("positive", "nonzero", "real")
 STATE_KEYS: Final = ("unit", "description", "latex", "scale")
 SYSTEM_KEYS: Final = (
-    "time", "parameters", "functions", "signals", "states", "let", "A", "H", "B", "G", "dynamics", "measurements",
-    "inputs", "disturbances", "outputs", "noise", "interval", "quantities", "linearize",
+    "time", "parameters", "functions", "signals", "states", "let", "A", "H", "B", "G", "dynamics",
+    "measurements", "inputs", "disturbances", "outputs", "noise", "interval", "quantities", "linearize",
 )  # fmt: skip
 STAGE_KEYS: Final = (
     "let", "A", "H", "B", "G", "dynamics", "measurements", "noise", "interval", "signals", "outputs",

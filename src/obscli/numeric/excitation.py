@@ -166,12 +166,20 @@ def _touched(
 ) -> tuple[str, ...]:
     """Return the states that hidden directions contain, beyond what noise turns such a direction by.
 
-    To first order noise turns a hidden direction d by −X (R X)ᵀ E d, X the directions seen.
+    To first order noise turns a hidden direction d by −X (R X)ᵀ E d, X the directions seen. Directions are
+    taken as one for each of some states that are turned least, 1 there and 0 at the others of these.
     """
-    squared = np.zeros(len(D))
-    for shown, noise in draws:
-        turned = seen @ ((shown * D @ seen).T @ (noise * D @ hidden))
-        squared += (turned**2).sum(axis=1) / _DRAWS
-    contained = np.linalg.norm(hidden, axis=1) > CLEAR * np.sqrt(squared) + _ROUNDED
+    from scipy.linalg import qr  # noqa: PLC0415 - for signals with noise only
+
+    def turned(directions: Array) -> Array:
+        """Return by what each draw turns directions, shape (draws, n, q)."""
+        return np.array([seen @ ((shown * D @ seen).T @ (noise * D @ directions)) for shown, noise in draws])
+
+    by = np.sqrt((turned(hidden) ** 2).mean(axis=0).sum(axis=1))
+    pivots = qr((hidden / (by + _ROUNDED)[:, None]).T, mode="r", pivoting=True)[-1][: hidden.shape[1]]
+    each = hidden @ np.linalg.inv(hidden[pivots])
+    moved = turned(each)
+    size = np.sqrt(((moved - each @ moved[:, pivots]) ** 2).mean(axis=0))
+    contained = (np.abs(each) > CLEAR * size + _ROUNDED).any(axis=1)
     names = numeric.system.system.state_names
     return tuple(name for name, touched in zip(names, contained, strict=True) if touched)

@@ -146,7 +146,7 @@ class NumericSystem:
         return {**values, **gone}
 
     def jumping(self, entries: Sequence[Expression]) -> list[tuple[str, int]]:
-        """Return the derivatives of signals in expressions that jump from sample to sample, with their order."""
+        """Return the derivatives of signals in expressions that jump at samples, with their order."""
         orders = dict.fromkeys(symbols(*entries), 0) | _orders(entries)
         return [
             (name, order)

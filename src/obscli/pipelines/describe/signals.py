@@ -9,6 +9,7 @@ from obscli.core.document import Block, Cell, Column, Heading, Note, Table, Text
 from obscli.core.number import counted, short
 from obscli.core.number import plain as number
 from obscli.exact.finding import Analysis
+from obscli.model.system import System
 from obscli.numeric.finding import NumericFinding, SignalsFinding
 from obscli.pipelines.describe.words import names
 from obscli.pipelines.stage_result import StageResult
@@ -63,6 +64,16 @@ def _excited(found: NumericFinding, signals: SignalsFinding) -> Iterator[Text]:
         yield Text(f", but noise alone would show the rest as well (record over noise: {noise})")
     elif signals.ratios:
         yield Text(f"; the weakest stands {short(signals.ratios[-1])} times above noise")
+
+
+def taken_as_exact(system: System) -> Iterator[Block]:
+    """Yield that what follows takes recorded signals for what they say, where there are any."""
+    if system.sampled:
+        text = (
+            f"signals taken as exact: {', '.join(system.sampled)}; what noise in them alone would show is "
+            "told by `obscli analyze` with their deviations under `noise`"
+        )
+        yield Note("note", plain(text))
 
 
 def excited_rank(result: StageResult) -> int | None:
