@@ -360,7 +360,7 @@ def test_requirements(text, expected):
     assert {one.place.line for one in model.require} == {6}
 
 
-@pytest.mark.parametrize("key", ["signals", "segments", "F", "step"])
+@pytest.mark.parametrize("key", ["segments", "F", "step"])
 def test_not_supported_yet_by_name(key):
     with pytest.raises(ModelError, match=f"`{key}` is not supported yet") as caught:
         system("states: [x]", "A: [[f]]", "H: [[1]]", f"{key}: {{}}")

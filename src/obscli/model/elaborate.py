@@ -116,7 +116,7 @@ def _require_files(draft: Draft, setting: Setting, problems: Problems) -> None:
 
 
 def _sampled(draft: Draft) -> tuple[tuple[str, str], ...]:
-    """Return the scalar functions that are signals, fixed or not, each with the name it was declared under."""
+    """Return the scalar functions that are signals, fixed or not, each with the name of its vector."""
     names = {one.name for file in draft.sampled or () for one in file.signals}
     return tuple(
         (cell, one.declared.vector)

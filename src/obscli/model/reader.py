@@ -107,9 +107,7 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     stages = {
         name: freed(stage, options) for name, stage in read_stages(_node(given, "stages"), problems).items()
     }
-    directory = Path(source.file).parent
-    draft = with_signals(draft, None, directory, problems)
-    stages = {name: _sampled(name, stage, draft, directory, problems) for name, stage in stages.items()}
+    draft, stages = _with_signals(draft, stages, Path(source.file).parent, problems)
     _check_format(given, problems)
     check_namespace(draft, problems)
     draft = replace(draft, linearize=read_linearize(_node(given, "linearize"), problems))
@@ -180,6 +178,14 @@ def _node(given: Fields, key: str) -> Node | None:
 
 def _mappings(stages: Mapping[str, Draft]) -> list[MappingNode]:
     return [one.node for one in stages.values() if isinstance(one.node, MappingNode)]
+
+
+def _with_signals(
+    draft: Draft, stages: Mapping[str, Draft], directory: Path, problems: Problems
+) -> tuple[Draft, dict[str, Draft]]:
+    """Return base and stages with the functions of their signals."""
+    base = with_signals(draft, None, directory, problems)
+    return base, {name: _sampled(name, one, base, directory, problems) for name, one in stages.items()}
 
 
 def _sampled(name: str, stage: Draft, base: Draft, directory: Path, problems: Problems) -> Draft:

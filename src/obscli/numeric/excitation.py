@@ -24,6 +24,7 @@ import numpy as np
 
 from obscli.model.system import System
 from obscli.numeric.analysis import Numeric, affordable_steps
+from obscli.numeric.errors import NotComputableError
 from obscli.numeric.numeric_system import NumericSystem, constants_of
 from obscli.numeric.program import Array, constant_value
 from obscli.numeric.settings import STEP_ERROR, Effort
@@ -33,6 +34,9 @@ from obscli.numeric.square_root import square_root_gramian
 #: κ: e and ẽ are draws of the same size, and may be so far apart where few samples count.
 CLEAR: Final = 5.0
 _DRAWS: Final = 6
+
+#: Each of them is a panel of two systems, in every draw.
+_MOST_SAMPLES: Final = 50_000
 
 #: A component of a unit vector that may be rounding.
 _ROUNDED: Final = 1e-9
@@ -150,6 +154,12 @@ def _told_apart(draws: list[tuple[Array, Array]]) -> tuple[Array, Array, list[fl
 def _draws(numeric: Numeric, i: int, deviations: Mapping[str, float]) -> list[tuple[Array, Array]]:
     """Return R and E, shape (2n, n) both, of some draws of the noise, over the window of an instant."""
     one, n = numeric.system, numeric.system.n
+    count = len(one.knots(numeric.horizon.start, float(numeric.horizon.instants[i])))
+    if count > _MOST_SAMPLES:
+        raise NotComputableError(
+            f"{count} instants with samples, {_MOST_SAMPLES} at the most for this test: choose a shorter "
+            "interval (--from, --to)"
+        )
     start, t = float(numeric.spaces.gramian.starts[i]), numeric.horizon.instants[i : i + 1]
     effort = Effort(STEP_ERROR["square-root"], affordable_steps(one))
     found = []

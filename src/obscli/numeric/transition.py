@@ -24,6 +24,7 @@ import numpy as np
 
 from obscli.numeric.collocation import gauss_legendre
 from obscli.numeric.errors import NotComputableError, TooManyStepsError
+from obscli.numeric.knots import blocks, with_knots
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import EPS, ROUNDING, Array, Counts, Flags
 from obscli.numeric.rates import Rates
@@ -59,9 +60,6 @@ _IN_VAIN: Final = 3
 #: A tail above this that halving does not lower is a pole.
 _POLE: Final = 1e-2
 _SHORTEST: Final = 1e-12
-
-#: A knot nearer to an edge than this share of the panel is at the edge.
-_APART: Final = 1e-7
 
 #: Panels of a time-invariant system are alike if their lengths agree to so many digits.
 _ALIKE: Final = 10
@@ -123,7 +121,7 @@ def panels(system: NumericSystem, edges: Array, effort: Effort) -> Iterator[Pane
         where a panel cannot be resolved however short it is, or a coefficient does not exist
     """
     coarse = edges
-    edges, inserted = _with_knots(edges, system.knots(float(edges[0]), float(edges[-1])))
+    edges, inserted = with_knots(edges, system.knots(float(edges[0]), float(edges[-1])))
     effort = replace(effort, most_steps=effort.most_steps + 2 * inserted)
     nodes = FEW_NODES if 2 * inserted > len(edges) else NODES
     size = nodes * system.n * (len(system.moving) + system.m)
@@ -133,16 +131,6 @@ def panels(system: NumericSystem, edges: Array, effort: Effort) -> Iterator[Pane
         part = edges[first : first + at_once + 1]
         whole = np.searchsorted(coarse, part[:-1], side="right") if inserted else None
         yield solver.resolved(part[:-1], part[1:], whole=whole)
-
-
-def _with_knots(edges: Array, knots: Array) -> tuple[Array, int]:
-    """Return the edges with the knots that are not at an edge already, and how many these are."""
-    if not len(knots):
-        return edges, 0
-    after = np.clip(np.searchsorted(edges, knots), 1, len(edges) - 1)
-    apart = np.minimum(knots - edges[after - 1], edges[after] - knots)
-    fresh = knots[apart > _APART * np.diff(edges)[after - 1]]
-    return np.union1d(edges, fresh), len(fresh)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -182,22 +170,12 @@ def _beside(parts: Sequence[Solved]) -> Solved:
     found = [one for one, _, _ in parts]
     panel = Panels(
         ends=found[0].ends,
-        transition=_blocks([one.transition for one in found]),
+        transition=blocks([one.transition for one in found]),
         rows=np.concatenate([one.rows for one in found], axis=2),
-        transition_error=_blocks([one.transition_error for one in found]),
+        transition_error=blocks([one.transition_error for one in found]),
         row_error=np.concatenate([one.row_error for one in found], axis=1),
     )
-    return panel, _blocks([tail for _, tail, _ in parts]), _blocks([size for _, _, size in parts])
-
-
-def _blocks(parts: Sequence[Array]) -> Array:
-    """Return block-diagonal matrices, from stacks of each block."""
-    found = np.zeros((len(parts[0]), *np.sum([one.shape[1:] for one in parts], axis=0)))
-    row = column = 0
-    for one in parts:
-        found[:, row : row + one.shape[1], column : column + one.shape[2]] = one
-        row, column = row + one.shape[1], column + one.shape[2]
-    return found
+    return panel, blocks([tail for _, tail, _ in parts]), blocks([size for _, _, size in parts])
 
 
 class _Solver:

@@ -17,7 +17,9 @@ SIGNS: Final[dict[StateVerdict, tuple[str, Role]]] = {
 }
 #: What only noise of signals shows.
 NOT_EXCITED: Final[tuple[str, Role]] = ("○", "open")
-ALL_SIGNS: Final[dict[str, tuple[str, Role]]] = {**SIGNS, "not excited": NOT_EXCITED}
+ALL_SIGNS: Final[dict[str, tuple[str, Role]]] = {str(key): own for key, own in SIGNS.items()} | {
+    "not excited": NOT_EXCITED
+}
 UNDECIDED: Final[tuple[str, Role]] = ("?", "open")
 
 
