@@ -360,13 +360,6 @@ def test_requirements(text, expected):
     assert {one.place.line for one in model.require} == {6}
 
 
-@pytest.mark.parametrize("key", ["signals"])
-def test_not_supported_yet_by_name(key):
-    with pytest.raises(ModelError, match=f"`{key}` is not supported yet") as caught:
-        system("states: [x]", "A: [[f]]", "H: [[1]]", f"{key}: {{}}")
-    assert len(caught.value.problems) == 1
-
-
 def test_carriage_returns_and_byte_order_mark():
     one = read_text("\ufeffstates: [x]\r\nA: [[0]]\r\nH: [[1]]\r\n", "dos.yaml").systems[0]
     assert one.state_names == ("x",)

@@ -54,8 +54,12 @@ def verify_basis(witness: Witness, basis: Sequence[Covector], texts: Sequence[st
         n=spaces.n,
         above=_above(witness),
         expected=witness.expected,
+        excited=witness.numeric.rank if _is_below(witness) else None,
     )
     verdict, reason = _verdict(seen, int(agrees.sum()), shown=bool(shown.any()))
+    top = witness.numeric.rank
+    if verdict == "undecided" and _is_below(witness) and not shown.any():
+        verdict, reason = "not excited", f"the recorded signals excite {top} of {seen.expected} directions"
     names = witness.numeric.system.system.state_names
     texts = texts or [covector_text(one, names) for one in basis]
     combinations = _combinations(texts, leak, shown)
@@ -69,6 +73,13 @@ def _above(witness: Witness) -> int | None:
     if witness.expected is None or not ranks.size or ranks.max() <= witness.expected:
         return None
     return int(ranks.max())
+
+
+def _is_below(witness: Witness) -> bool:
+    """Whether signals are recorded, and show a rank that is clear and below that of generic ones."""
+    rank, system = witness.numeric.rank, witness.numeric.system.system
+    below = rank is not None and witness.expected is not None and rank < witness.expected
+    return below and bool(system.sampled)
 
 
 def _verdict(seen: Seen, agree: int, *, shown: bool) -> tuple[Agreement, str]:

@@ -21,7 +21,7 @@ class Seen:
     """What was seen: of ``count`` instants ``conclusive`` ones, at ``leaking`` of which χ exceeds its bound.
 
     ``surely``: by far; ``kernel``: q at the conclusive instants; ``above``: a rank above the exact one;
-    ``expected``: the exact rank, where it is known.
+    ``expected``: the exact rank, where it is known; ``excited``: a rank below it that recorded signals show.
     """
 
     count: int
@@ -33,6 +33,7 @@ class Seen:
     n: int
     above: int | None
     expected: int | None
+    excited: int | None = None
 
 
 def diagnose(seen: Seen) -> str:
@@ -42,6 +43,11 @@ def diagnose(seen: Seen) -> str:
         return (
             f"The Gramian shows {above} far above its tolerance, algebra {seen.expected}: "
             "one of the two sides is wrong. Please report it."
+        )
+    if seen.kernel is None and seen.excited is not None:
+        return (
+            f"The recorded signals show {counted(seen.excited, 'direction')} of the {seen.expected} that "
+            "generic ones would: the rest is not excited."
         )
     if seen.kernel is None:
         return "At no instant is the Gramian clear enough: nothing can be said."

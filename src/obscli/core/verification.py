@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 
-Agreement: TypeAlias = Literal["verified", "contradicted", "undecided"]
+Agreement: TypeAlias = Literal["verified", "contradicted", "undecided", "not excited"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,10 @@ class CombinationCheck:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verification:
-    """A basis against the Gramian: the verdict, every instant and combination, the paper's diagnosis."""
+    """A basis against the Gramian: the verdict, every instant and combination, the paper's diagnosis.
+
+    ``not excited``: signals are recorded data, and these show less than generic ones would.
+    """
 
     verdict: Agreement
     reason: str

@@ -23,6 +23,11 @@ def advise(analysis: Analysis) -> tuple[str, ...]:
     missing = analysis.system.n - analysis.rank
     if not missing:
         whole = "Every state is observable: an estimator of the full state can be designed."
+        if analysis.system.sampled:
+            whole = (
+                "Generic motion makes every state observable: an estimator of the full state can be designed "
+                "for motion that excites it; which states this record excites stands under Signals."
+            )
         return (whole, *_at_values(analysis))
     leave = "directions of the state leave" if missing > 1 else "direction of the state leaves"
     estimate = (

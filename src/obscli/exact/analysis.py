@@ -217,8 +217,14 @@ def _varying(proof: Proof) -> tuple[str, ...]:
 
 def _notes(system: System) -> tuple[str, ...]:
     """Say what the rank does not take into account: relations that are not stated, outages of outputs."""
-    free = ", ".join(f.name for f in system.functions if f.derivative is None)
+    sampled = system.sampled
+    free = ", ".join(f.name for f in system.functions if f.derivative is None and f.name not in sampled)
     notes = []
+    if sampled:
+        notes.append(
+            f"The rank holds at generic values of the signals {', '.join(sampled)}: it is what generic "
+            "motion makes observable; what the recorded one does is seen by the Gramian."
+        )
     if free:
         notes.append(
             f"The rank holds for generic {free}; relations among them that the file does not state "

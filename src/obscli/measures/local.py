@@ -126,6 +126,13 @@ def _point(numeric: NumericSystem, there: System, at: float, defined: frozenset[
         for f in there.functions
         if f.name in names
     }
+    signals = numeric.motion.signals if numeric.motion else None
+    rough = [name for name in orders if signals is not None and name in signals.names]
+    if rough:
+        raise NotMeasuredError(
+            f"the matrix at one instant needs all derivatives of {', '.join(rough)}, and samples of a signal "
+            "do not tell them: measures of an interval do without"
+        )
     sampled = numeric.values(np.array([at]), orders)
     keys = [jet(name, k) for name, top in orders.items() for k in range(top + 1)]
     return {there.time: Fraction(at), **{key: _exact(sampled[key]) for key in keys}}

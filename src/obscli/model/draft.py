@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 from obscli.model.declaration import Declared
 from obscli.model.formula import Formula
+from obscli.model.signal_draft import SignalFileDraft
 from obscli.model.tree import Mapping as MappingNode
 from obscli.model.tree import Node, Scalar
 
@@ -36,11 +37,12 @@ class ParameterDraft:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FunctionDraft:
-    """One entry of ``functions``."""
+    """One entry of ``functions``, or one that ``signals`` implies."""
 
     declared: Declared
     derivative: Formula | None = None
     invariants: tuple[Formula, ...] = ()
+    implied: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,7 +79,10 @@ MatrixDraft: TypeAlias = Formula | Sparse
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Draft:
-    """The sections of a file or of a stage; None and empty where absent."""
+    """The sections of a file or of a stage; None and empty where absent.
+
+    ``signals`` as written, ``sampled`` as read; the functions that they imply are among ``functions``.
+    """
 
     node: Node
     time: str = ""
@@ -97,6 +102,8 @@ class Draft:
     outputs: Mapping[str, OutputDraft] = field(default_factory=dict)
     noise: Node | None = None
     interval: Node | None = None
+    signals: Node | None = None
+    sampled: tuple[SignalFileDraft, ...] | None = None
     linearize: Entries | None = None
     step: Node | None = None
 
@@ -118,7 +125,8 @@ class Draft:
             or self.fix
             or self.matrices
             or self.outputs
-            or any(part is not None for part in (self.dynamics, self.measurements, self.noise, self.interval))
+            or any(part is not None for part in (self.dynamics, self.measurements, self.noise))
+            or any(part is not None for part in (self.interval, self.signals))
         )
 
 
@@ -138,9 +146,20 @@ def merged(base: Draft, stage: Draft) -> Draft:
         measurements=None if "H" in stage.matrices else _joined(base.measurements, stage.measurements),
         matrices=matrices,
         outputs={**base.outputs, **_merged_outputs(base, stage)},
-        noise=_merged_nodes(base.noise, stage.noise),
-        interval=_merged_nodes(base.interval, stage.interval),
+        noise=merged_nodes(base.noise, stage.noise),
+        interval=merged_nodes(base.interval, stage.interval),
+        functions=_merged_functions(base, stage),
+        signals=merged_nodes(base.signals, stage.signals),
+        sampled=base.sampled if stage.sampled is None else stage.sampled,
     )
+
+
+def _merged_functions(base: Draft, stage: Draft) -> tuple[FunctionDraft, ...]:
+    """Replace the functions that signals imply, where the stage has signals of its own."""
+    if stage.sampled is None:
+        return base.functions
+    listed = tuple(one for one in base.functions if not one.implied)
+    return (*listed, *(one for one in stage.functions if one.implied))
 
 
 def _joined(base: Entries | None, stage: Entries | None) -> Entries | None:
@@ -149,7 +168,7 @@ def _joined(base: Entries | None, stage: Entries | None) -> Entries | None:
     return {**base, **stage}
 
 
-def _merged_nodes(base: Node | None, stage: Node | None) -> Node | None:
+def merged_nodes(base: Node | None, stage: Node | None) -> Node | None:
     """Replace the keys given where both are mappings, else the whole."""
     if isinstance(base, MappingNode) and isinstance(stage, MappingNode):
         given = {key.text for key, _ in stage.entries}

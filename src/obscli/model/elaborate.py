@@ -27,6 +27,7 @@ from obscli.model.observation import observation
 from obscli.model.prior import prior_deviations
 from obscli.model.sampling import sampled
 from obscli.model.scope import Scope
+from obscli.model.signals import signal_files
 from obscli.model.system import Quantity, State, System
 from obscli.model.trouble import Incomplete, Problems
 
@@ -62,6 +63,7 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
     states = _states(draft, known, problems)
     if not draft.states_sound:
         return None
+    _require_files(draft, setting, problems)
     nominal = nominal_values(draft, known.scope, problems)
     moving = known.scope.with_values(linear_values(draft, inputs=True, nominal=nominal))
     seen = known.scope.with_values(linear_values(draft, inputs=False, nominal=nominal))
@@ -77,6 +79,7 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
         tuple((state.name, state.vector) for state in states),
         _disturbances(draft, dynamics.disturbances),
         tuple((output.name, output.vector) for output in outputs),
+        _sampled(draft),
     )
     quantities = _quantities(draft, still, problems)
     noise = noise_of(draft.noise, targets, known.scope, problems)
@@ -104,6 +107,27 @@ def _elaborate(draft: Draft, setting: Setting, problems: Problems) -> System | N
         discrete=draft.is_discrete,
         step=step,
         fixed=tuple(draft.fix),
+        signals=signal_files(draft, {one.name for one in known.functions}),
+    )
+
+
+def _require_files(draft: Draft, setting: Setting, problems: Problems) -> None:
+    """Report signals without a file; the base may wait for its stages."""
+    for one in draft.sampled or ():
+        if one.file is None and setting.base:
+            raise Incomplete("file")
+        if one.file is None and setting.sound:
+            problems.add(one.node.problem("signals", "`file` is missing: the file with the samples"))
+
+
+def _sampled(draft: Draft) -> tuple[tuple[str, str], ...]:
+    """Return the scalar functions that are signals, fixed or not, each with the name of its vector."""
+    names = {one.name for file in draft.sampled or () for one in file.signals}
+    return tuple(
+        (cell, one.declared.vector)
+        for one in draft.functions
+        if one.declared.name in names
+        for cell in one.declared.components
     )
 
 

@@ -61,7 +61,9 @@ def frozen_at(system: System, instant: Expression) -> System:
         message = f"the system does not exist at {at.text()}: {error.message}"
         raise ModelError([Problem(system.states[0].place, "", message)]) from None
     invariants = (*found.invariants, *relations)
-    return replace(found, functions=tuple(at.functions()), invariants=invariants, claims=(), scope=scope)
+    return replace(
+        found, functions=tuple(at.functions()), invariants=invariants, claims=(), scope=scope, signals=()
+    )
 
 
 class _Instant:

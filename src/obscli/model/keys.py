@@ -5,18 +5,11 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Collection
 from collections.abc import Mapping as MappingOf
-from typing import Final
 
 from obscli.model.catalogue import RESERVED
 from obscli.model.tokens import is_name
 from obscli.model.tree import Broken, Mapping, Node, Scalar, Sequence, kind
 from obscli.model.trouble import Problems, nearest, shown
-
-
-#: Keys of the contract that this version does not act on yet.
-NOT_YET: Final = {
-    "signals": "write the signal as a function of time under `let`, or name it under `functions`",
-}
 
 
 def fields(
@@ -35,10 +28,7 @@ def fields(
         return {}
     found: dict[str, tuple[Scalar, Node]] = {}
     for key, value in node.entries:
-        outermost = not path or path.startswith("stages.")
-        if known is not None and key.text not in known and key.text in NOT_YET and outermost:
-            problems.add(key.problem(path, f"`{key.text}` is not supported yet", NOT_YET[key.text]))
-        elif known is not None and key.text not in known:
+        if known is not None and key.text not in known:
             message = f"unknown key '{shown(key.text)}'{nearest(key.text, known)}"
             problems.add(
                 key.problem(path, message, f"keys here: {', '.join(known)}" if len(known) <= 16 else "")

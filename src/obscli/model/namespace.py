@@ -31,7 +31,8 @@ def _all_names(draft: Draft) -> Iterator[tuple[str, str, str, Scalar | None]]:
     for name, parameter in draft.parameters.items():
         yield name, "parameters", "a parameter", parameter.key
     sections = {
-        "functions": ("a function of time", tuple(one.declared for one in draft.functions)),
+        "functions": ("a function of time", _functions(draft, implied=False)),
+        "signals": ("a signal", _functions(draft, implied=True)),
         "states": ("a state", draft.states),
         "inputs": ("an input", draft.inputs),
         "disturbances": ("a disturbance", draft.disturbances),
@@ -45,6 +46,10 @@ def _all_names(draft: Draft) -> Iterator[tuple[str, str, str, Scalar | None]]:
     for name, entry in draft.quantities.items():
         if name in states:
             yield name, "quantities", "a quantity", entry.key
+
+
+def _functions(draft: Draft, *, implied: bool) -> tuple[Declared, ...]:
+    return tuple(one.declared for one in draft.functions if one.implied == implied)
 
 
 def _names_of(one: Declared, section: str, what: str) -> Iterator[tuple[str, str, str, Scalar]]:

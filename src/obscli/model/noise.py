@@ -11,7 +11,7 @@ from obscli.model.evaluate import evaluate
 from obscli.model.expression import Expression, Number, is_zero, power
 from obscli.model.form import Form
 from obscli.model.formula import formula
-from obscli.model.keys import fields
+from obscli.model.keys import Fields, fields
 from obscli.model.scope import Scope
 from obscli.model.system import Matrix, Noise
 from obscli.model.tensor import Tensor, named
@@ -19,7 +19,7 @@ from obscli.model.tree import Broken, Mapping, Node, Scalar
 from obscli.model.trouble import Problems, nearest, shown
 
 
-NOISE_KEYS: Final = ("Q", "R", "P0", "P0_std", "step")
+NOISE_KEYS: Final = ("Q", "R", "P0", "P0_std", "step", "signals")
 
 #: A scalar with the vector it belongs to ("" for none).
 Named = tuple[str, str]
@@ -32,6 +32,7 @@ class Targets:
     states: tuple[Named, ...]
     disturbances: tuple[Named, ...]
     outputs: tuple[Named, ...]
+    signals: tuple[Named, ...] = ()
 
 
 def noise_of(node: Node | None, targets: Targets, scope: Scope, problems: Problems) -> Noise | None:
@@ -56,7 +57,22 @@ def noise_of(node: Node | None, targets: Targets, scope: Scope, problems: Proble
         R=matrix("R", targets.outputs),
         P0=prior if deviations is None else _squared(deviations, problems, given["P0_std"][1]),
         step=step,
+        signals=_of_signals(matrix("signals", targets.signals), targets, problems, given),
     )
+
+
+def _of_signals(
+    found: Matrix | None, targets: Targets, problems: Problems, given: Fields
+) -> dict[str, Expression]:
+    """Return the standard deviations of signals by name."""
+    if found is None:
+        return {}
+    if not targets.signals:
+        problems.add(given["signals"][0].problem("noise", "there are no `signals` in this stage"))
+    if any(i != j for i, j in found.entries):
+        message = "standard deviations are a scalar, a list or a mapping of names to them"
+        problems.add(given["signals"][1].problem("noise.signals", message))
+    return {targets.signals[i][0]: entry for (i, _), entry in found.entries.items()}
 
 
 class _Reading:
@@ -126,7 +142,8 @@ class _Reading:
     def _check_sign(self, node: Node, path: str, diagonal: Iterable[Form]) -> None:
         for form in diagonal:
             if isinstance(form.constant, Number) and form.constant.value < 0:
-                what = "a standard deviation" if path.startswith("noise.P0_std") else "a variance"
+                deviation = path.startswith(("noise.P0_std", "noise.signals"))
+                what = "a standard deviation" if deviation else "a variance"
                 self._problems.add(node.problem(path, f"{what} cannot be negative"))
                 return
 

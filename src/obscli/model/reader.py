@@ -21,11 +21,11 @@ from obscli.model.claims import (
 from obscli.model.compose import compose
 from obscli.model.covector import scope_of
 from obscli.model.discrete import with_index
-from obscli.model.draft import Draft
+from obscli.model.draft import Draft, merged_nodes
 from obscli.model.expected import Subjects
 from obscli.model.experiment import Known, RunDraft, read_experiment, read_plan
 from obscli.model.jumps import segments_of
-from obscli.model.keys import NOT_YET, Fields, choice_of, fields, text_of
+from obscli.model.keys import Fields, choice_of, fields, text_of
 from obscli.model.meter import MOST_WORK, Meter
 from obscli.model.namespace import check_namespace
 from obscli.model.nominal import check_linearize, read_linearize
@@ -33,6 +33,7 @@ from obscli.model.options import Options, fixes, freed, selected, set_values
 from obscli.model.runs import Elaborated, experiment_of, requirements
 from obscli.model.sections import SYSTEM_KEYS, read_draft
 from obscli.model.segments import SegmentsDraft, read_segments
+from obscli.model.signals import with_signals
 from obscli.model.source import Source, checked, read_source
 from obscli.model.stages import Variants, read_stages
 from obscli.model.system import Claim, Model, Segments, System
@@ -118,6 +119,7 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
         name: freed(stage, options) for name, stage in read_stages(_node(given, "stages"), problems).items()
     }
     draft = with_index(draft, stages, given, problems)
+    draft, stages = _with_signals(draft, stages, Path(source.file).parent, problems)
     _check_format(given, problems)
     check_namespace(draft, problems)
     draft = replace(draft, linearize=read_linearize(_node(given, "linearize"), problems))
@@ -134,8 +136,6 @@ def _model(root: MappingNode, source: Source, options: Options, problems: Proble
     if not draft.states:
         if "states" not in given or not problems:
             problems.add(root.problem("", "`states` is missing: the names of the states, in order"))
-        return None
-    if any(node.get(key) for node in (root, *_mappings(stages)) for key in NOT_YET):
         return None
     if options.fix:
         claims = ()  # about the system before the substitution, which some of them do not survive
@@ -211,8 +211,20 @@ def _node(given: Fields, key: str) -> Node | None:
     return given[key][1] if key in given else None
 
 
-def _mappings(stages: Mapping[str, Draft]) -> list[MappingNode]:
-    return [one.node for one in stages.values() if isinstance(one.node, MappingNode)]
+def _with_signals(
+    draft: Draft, stages: Mapping[str, Draft], directory: Path, problems: Problems
+) -> tuple[Draft, dict[str, Draft]]:
+    """Return base and stages with the functions of their signals."""
+    base = with_signals(draft, None, directory, problems)
+    return base, {name: _sampled(name, one, base, directory, problems) for name, one in stages.items()}
+
+
+def _sampled(name: str, stage: Draft, base: Draft, directory: Path, problems: Problems) -> Draft:
+    """Return a stage with signals of its own where it replaces some of the base's."""
+    if stage.signals is None:
+        return stage
+    signals = merged_nodes(base.signals, stage.signals)
+    return with_signals(replace(stage, signals=signals), base, directory, problems, f"stages.{name}.signals")
 
 
 def _check_format(given: Fields, problems: Problems) -> None:
@@ -222,7 +234,8 @@ def _check_format(given: Fields, problems: Problems) -> None:
 
 def _known(draft: Draft, stages: Mapping[str, Draft]) -> Known:
     """Return the names that runs may use."""
-    functions = [name for one in draft.functions for name in (one.declared.name, *one.declared.components)]
+    every = [one for where in (draft, *stages.values()) for one in where.functions]
+    functions = [name for one in every for name in (one.declared.name, *one.declared.components)]
     return Known(
         stages=tuple(stages),
         states=[name for one in draft.states for name in (one.name, *one.components)],

@@ -16,12 +16,13 @@ from obscli.model.trouble import Problems
 ASSUMPTIONS: Final = ("positive", "nonzero", "real")
 STATE_KEYS: Final = ("unit", "description", "latex", "scale")
 SYSTEM_KEYS: Final = (
-    "time", "parameters", "functions", "states", "let", "A", "F", "H", "B", "G", "step", "dynamics",
-    "measurements", "inputs", "disturbances", "outputs", "noise", "interval", "quantities", "linearize",
+    "time", "parameters", "functions", "signals", "states", "let", "A", "F", "H", "B", "G", "step",
+    "dynamics", "measurements", "inputs", "disturbances", "outputs", "noise", "interval", "quantities",
+    "linearize",
 )  # fmt: skip
 STAGE_KEYS: Final = (
-    "let", "A", "F", "H", "B", "G", "dynamics", "measurements", "noise", "interval", "outputs", "parameters",
-    "fix", "description",
+    "let", "A", "F", "H", "B", "G", "dynamics", "measurements", "noise", "interval", "signals", "outputs",
+    "parameters", "fix", "description",
 )  # fmt: skip
 
 
@@ -62,6 +63,7 @@ def read_draft(root: Node, path: str, known: tuple[str, ...], problems: Problems
         noise=node("noise"),
         interval=node("interval"),
         step=node("step"),
+        signals=node("signals"),
     )
 
 

@@ -93,7 +93,8 @@ def _output(output: Output, exchange: Callable[[Expression], Expression]) -> Out
 
 def _noise(noise: Noise, exchange: Callable[[Expression], Expression]) -> Noise:
     Q, R, P0 = (one and _matrix(one, exchange, zeros=True) for one in (noise.Q, noise.R, noise.P0))
-    return replace(noise, Q=Q, R=R, P0=P0, step=noise.step and exchange(noise.step))
+    signals = _covector(noise.signals, exchange)
+    return replace(noise, Q=Q, R=R, P0=P0, step=noise.step and exchange(noise.step), signals=signals)
 
 
 def _interval(interval: Interval, exchange: Callable[[Expression], Expression]) -> Interval:

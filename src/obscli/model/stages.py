@@ -118,7 +118,7 @@ class Variants:
         _check_forms(stage, name, problems)
         taken = {one.name: "a state" for one in self.base.states}
         taken |= dict.fromkeys(self.base.parameters, "a parameter")
-        taken |= {one.declared.name: "a function" for one in self.base.functions}
+        taken |= {one.declared.name: "a function" for one in (*self.base.functions, *stage.functions)}
         taken[self.base.time or "t"] = "the time"
         for entry, given_entry in stage.let.items():
             if entry in taken:

@@ -188,6 +188,7 @@ class Noise:
     R : spectral density of v, or covariance per sample where there is ``step`` or ``every``; None: not given
     P0 : initial covariance of the states it is given for; a state without an entry has no prior
     step : time between samples
+    signals : standard deviation of a sample of a signal, by the scalar function; absent: taken as exact
     place : where the file gives it
     """
 
@@ -197,6 +198,45 @@ class Noise:
     R: Matrix | None = None
     P0: Matrix | None = None
     step: Expression | None = None
+    signals: Mapping[str, Expression] = field(default_factory=dict)
+
+
+#: How a signal goes from sample to sample.
+Interpolation: TypeAlias = Literal["cubic", "linear", "previous"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SignalColumn:
+    """A column of a file that is a function of time: ``name`` = factor · column.
+
+    ``unwrap``: the jump of a full turn, taken out of the column before; None: there is none.
+    """
+
+    name: str
+    column: str
+    factor: Expression | None
+    unwrap: Expression | None
+    place: Place
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SignalFile:
+    """A file with samples of functions of time, at times (``time`` − ``zero``) · ``factor``.
+
+    Parameters
+    ----------
+    zero : "first": the first time; "value": 0
+    max_gap : the longest step that is interpolated across; None: ten times the median one
+    """
+
+    file: Path
+    place: Place
+    time: str
+    columns: tuple[SignalColumn, ...]
+    factor: Expression | None = None
+    zero: Expression | str = "value"
+    interpolation: Interpolation = "cubic"
+    max_gap: Expression | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -216,7 +256,8 @@ class System:
     ``prior`` is the initial standard deviation by state, where ``noise`` gives ``P0`` or ``P0_std``.
     ``scope`` holds what the names of the file stand for in this stage, for expressions given later
     (claims, the command line); None for a system not made from a file. ``fixed``: the names
-    that its stage fixes. ``dual``: the matrix of the system of which this one is the dual.
+    that its stage fixes. ``dual``: the matrix of the system of which this one is the dual. ``signals``: files
+    with the values of functions; columns of what is no function (any more) mean nothing.
     ``discrete``: x(k+1) = A x(k) with ``time`` the whole number k; ``step``: the seconds from k to k + 1,
     None where the file does not say. Whoever reads A asks which it is, or ``require_continuous`` does.
     """
@@ -242,6 +283,7 @@ class System:
     scope: Scope | None = None
     fixed: tuple[str, ...] = ()
     dual: Literal["B", "G"] | None = None
+    signals: tuple[SignalFile, ...] = ()
     discrete: bool = False
     step: Expression | None = None
 
@@ -264,6 +306,12 @@ class System:
     def state_names(self) -> tuple[str, ...]:
         """The names of the states, in order."""
         return tuple(state.name for state in self.states)
+
+    @property
+    def sampled(self) -> tuple[str, ...]:
+        """The names of the functions that are signals, in the order of the functions."""
+        columns = {column.name for file in self.signals for column in file.columns}
+        return tuple(one.name for one in self.functions if one.name in columns)
 
     @property
     def interrupted(self) -> tuple[str, ...]:

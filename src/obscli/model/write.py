@@ -14,6 +14,7 @@ from obscli.model.expression import Expression, symbols
 from obscli.model.notation import covector_text
 from obscli.model.system import Function, Matrix, Output, Parameter, Quantity, State, System
 from obscli.model.write_noise import noise_lines
+from obscli.model.write_signals import signal_lines
 from obscli.model.write_text import (
     Entry,
     Items,
@@ -89,14 +90,16 @@ def _names(system: System) -> Iterator[str]:
     if system.parameters:
         yield "parameters:"
         yield from block_lines([(one.name, _parameter(one)) for one in system.parameters])
-    if not system.functions:
-        return
+    yield from signal_lines(system)
     relations = _relations(system)
-    if any(one.derivative is not None for one in system.functions) or relations:
+    sampled = set(system.sampled)
+    functions = [(one.name, _function(one, relations)) for one in system.functions]
+    functions = [(name, said) for name, said in functions if said or name not in sampled]
+    if any(said for _, said in functions):
         yield "functions:"
-        yield from block_lines([(one.name, _function(one, relations)) for one in system.functions])
-    else:
-        yield from list_lines("functions", [scalar(one.name) for one in system.functions])
+        yield from block_lines(functions)
+    elif functions:
+        yield from list_lines("functions", [scalar(name) for name, _ in functions])
 
 
 def _parameter(one: Parameter) -> Value:

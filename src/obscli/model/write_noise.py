@@ -32,6 +32,11 @@ def noise_lines(system: System) -> Iterator[str]:
     body += _prior(noise, system)
     if noise.step is not None:
         body += entry_lines("step", formula(noise.step), "  ")
+    sampled: list[Entry] = [
+        (name, formula(noise.signals[name])) for name in system.sampled if name in noise.signals
+    ]
+    if sampled:
+        body += entry_lines("signals", sampled, "  ")
     if body:
         yield "noise:"
         yield from body

@@ -48,6 +48,47 @@ class NumericPoint:
         return self.singular_values[self.rank - 1] if self.rank else None
 
 
+@dataclass(frozen=True, slots=True)
+class SampledFile:
+    """A file of signals: the functions in it, how many samples, from when to when, how interpolated."""
+
+    file: str
+    names: tuple[str, ...]
+    count: int
+    start: float
+    stop: float
+    interpolation: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SignalsFinding:
+    """The signals of a system, and how much of the rank is the work of their noise.
+
+    Parameters
+    ----------
+    noise : standard deviations that the file gives, by function; empty: the signals are taken as exact
+    t, shown : the instant of the test, and the rank that the Gramian shows there
+    excited : the rank left without what noise of this size alone would show; None: not tested
+    ratios : how far each direction stands above noise, the largest first
+    not_excited : states that the record does not show, or no better than noise alone would
+    reason : why it was not tested though there is noise; else empty
+    """
+
+    files: tuple[SampledFile, ...]
+    noise: Mapping[str, float]
+    t: float | None = None
+    shown: int | None = None
+    excited: int | None = None
+    ratios: tuple[float, ...] = ()
+    not_excited: tuple[str, ...] = ()
+    reason: str = ""
+
+    @property
+    def is_noise(self) -> bool:
+        """Whether noise alone accounts for some of the rank."""
+        return self.excited is not None and self.shown is not None and self.excited < self.shown
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class NumericFinding:
     """Rank over time, and what it rests on.
@@ -61,8 +102,10 @@ class NumericFinding:
     rank : the largest rank decided at any instant, None where there is none
     sampled : the functions of time for which a sample motion was taken
     window : the shortest window where some are shorter than the whole interval, else None
-    states : every state as observable, coupled or unobservable, as the Gramian shows it; may be empty
+    states : every state as observable, coupled or unobservable, as the Gramian shows it; may be empty; not
+        excited where noise of the signals alone would show it as observable
     groups : states that share combinations
+    signals : functions that files give, None where there are none
     """
 
     system: System
@@ -75,8 +118,9 @@ class NumericFinding:
     rank: int | None
     sampled: tuple[str, ...]
     window: float | None
-    states: Mapping[str, Literal["observable", "coupled", "unobservable"]]
+    states: Mapping[str, Literal["observable", "coupled", "unobservable", "not excited"]]
     groups: tuple[tuple[str, ...], ...]
+    signals: SignalsFinding | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,6 +13,7 @@ from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.numeric_system import NumericSystem, constants_of
 from obscli.numeric.program import Array, constant_value
 from obscli.numeric.rates import rates_of
+from obscli.numeric.signals import Samples, overlap, require_covered, samples_of
 
 
 #: Instants where nobody says how many, and how large a system may be for that many.
@@ -55,6 +56,8 @@ class Horizon:
 def horizon_of(system: System, wanted: Wanted) -> Horizon:
     """Return the instants: those wanted, else evenly over the file's interval, else over a default one.
 
+    The default is what all files of signals cover; without signals 20 over the fastest rate, from 0.
+
     Raises
     ------
     NotComputableError
@@ -65,9 +68,10 @@ def horizon_of(system: System, wanted: Wanted) -> Horizon:
         from obscli.numeric.discrete_horizon import discrete_horizon  # noqa: PLC0415 - built on this file
 
         return discrete_horizon(system, wanted)
-    given = system.interval
+    given, files = system.interval, samples_of(system) if system.sampled else ()
+    asked = wanted.start is not None or wanted.stop is not None
     start_given = wanted.start or (given.start if given else None)
-    start = 0.0 if start_given is None else number_of(system, start_given, "the start")
+    start = _default_start(files) if start_given is None else number_of(system, start_given, "the start")
     if wanted.times:
         instants = np.unique([number_of(system, one, "an instant") for one in wanted.times])
         if instants[0] <= start:
@@ -75,16 +79,26 @@ def horizon_of(system: System, wanted: Wanted) -> Horizon:
                 f"the instant {instants[0]:.6g} is not after the start {start:.6g} of the interval "
                 "(--from moves the start)"
             )
+        if files:
+            require_covered(files, start, float(instants[-1]), asked=True)
         return Horizon(start, instants, "given")
     stop_given = wanted.stop or (given.stop if given else None)
     origin: Literal["given", "default"] = "given" if stop_given is not None else "default"
-    stop = _default_stop(system, start) if stop_given is None else number_of(system, stop_given, "the stop")
+    if stop_given is not None:
+        stop = number_of(system, stop_given, "the stop")
+    else:
+        stop = overlap(files)[1] if files else _default_stop(system, start)
+    if files and start < stop:
+        require_covered(files, start, stop, asked=asked)
     if stop <= start:
-        asked = wanted.start is not None or wanted.stop is not None
         unfit = UnfitRequestError if asked else NotComputableError
         raise unfit(f"the interval stops at {stop:.6g}, not after its start {start:.6g}")
     samples = wanted.samples or (given.samples if given else None) or default_samples(system.n)
     return Horizon(start, start + (stop - start) * np.arange(1, samples + 1) / samples, origin)
+
+
+def _default_start(files: tuple[Samples, ...]) -> float:
+    return overlap(files)[0] if files else 0.0
 
 
 def default_samples(n: int) -> int:

@@ -27,7 +27,7 @@ from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import Array, Counts
 from obscli.numeric.rates import rates_of
 from obscli.numeric.settings import Effort
-from obscli.numeric.transition import NODES, Panels, edges_of, longest_step, not_resolved, panels
+from obscli.numeric.transition import Panels, edges_of, longest_step, not_resolved, panels
 
 
 #: Step error of the transition; relative change of the information that halving the panels may make.
@@ -139,8 +139,7 @@ def _require_resolved(system: NumericSystem, piece: Panels) -> None:
 def _whitened(piece: Panels, whitening: Array) -> Array:
     """Return the rows of the outputs in units of their noise."""
     k, rows, n = piece.rows.shape
-    m = rows // NODES
-    whitened: Array = (whitening @ piece.rows.reshape(k, NODES, m, n)).reshape(k, rows, n)
+    whitened: Array = (whitening @ piece.rows.reshape(k, -1, len(whitening), n)).reshape(k, rows, n)
     return whitened
 
 

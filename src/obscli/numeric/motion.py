@@ -1,4 +1,4 @@
-"""A sample motion: values for the functions of time that a model leaves open.
+"""The motion of a system: signals as sampled, and a sample motion for the functions that a model leaves open.
 
 The exact side proves its result for generic functions; the numerical side has to take some. A function
 without a rule becomes a sum of tones with fixed random amplitudes, rates and phases,
@@ -6,7 +6,8 @@ without a rule becomes a sum of tones with fixed random amplitudes, rates and ph
     f(t) = c + Σ_k a_k sin(ν_k (t − t0) + φ_k),    c > Σ |a_k|  (so that 1/f, log f and √f exist);
 
 functions tied by relations are moved onto them at every instant; a function with a rule f' = F starts from
-random values that satisfy the relations and follows the rule.
+random values that satisfy the relations and follows the rule. A signal is what its file says, whatever rule
+or relation the model gives it beside.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from obscli.numeric.constraint import RESIDUAL, onto_relations
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.program import Array, Program, Value, jet
 from obscli.numeric.rule import Solution, solve_rules
+from obscli.numeric.signals import Disturbed, Signals
 
 
 _SEED: Final = 20181
@@ -56,19 +58,31 @@ class Motion:
     system : functions, rules and relations
     constants : values of the parameters
     start, stop : the interval of time the motion is for
+    disturbed : noise to be added to signals
 
     Raises
     ------
     NotComputableError
-        where no motion satisfies the relations, or the rules run away
+        where no motion satisfies the relations, or the rules run away, or signals are not as the model says
     """
 
-    def __init__(self, system: System, constants: Mapping[str, float], start: float, stop: float) -> None:
+    def __init__(
+        self,
+        system: System,
+        constants: Mapping[str, float],
+        start: float,
+        stop: float,
+        disturbed: Disturbed | None = None,
+    ) -> None:
         self._system = system
         self._constants = constants
-        rules = {f.name: f.derivative for f in system.functions if f.derivative is not None}
-        self._tones = _sampled([f.name for f in system.functions if f.name not in rules], start, stop)
-        self._relations = [one.expression for one in system.invariants]
+        self.signals = Signals(system, start, stop, disturbed) if system.sampled else None
+        sampled = self.signals.names if self.signals else frozenset[str]()
+        left_open = [f for f in system.functions if f.name not in sampled]
+        rules = {f.name: f.derivative for f in left_open if f.derivative is not None}
+        self._tones = _sampled([f.name for f in left_open if f.name not in rules], start, stop)
+        named = self._tones.keys() | rules.keys()
+        self._relations = [one.expression for one in system.invariants if symbols(one.expression) & named]
         tied = frozenset[str]().union(*(symbols(one) for one in self._relations))
         about_ruled = [one for one in self._relations if symbols(one) & rules.keys()]
         about_tones = [
@@ -81,8 +95,9 @@ class Motion:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The functions sampled, in the order of the model."""
-        return tuple(f.name for f in self._system.functions)
+        """The functions that a sample motion was taken for, in the order of the model."""
+        given = self.signals.names if self.signals else ()
+        return tuple(f.name for f in self._system.functions if f.name not in given)
 
     @property
     def rate(self) -> float:
@@ -101,7 +116,13 @@ class Motion:
         found = self._free(t)
         if self._solution is not None:
             found |= self._solution.values(t)
+        sampled: frozenset[str] = frozenset()
+        if self.signals is not None:
+            sampled = self.signals.names
+            found |= self.signals.values(t, orders)
         for name, top in orders.items():
+            if name in sampled:
+                continue
             if top and name not in self._tones:
                 raise NotComputableError(f"a derivative of {name}, which has a rule, is not sampled")
             if top and name in self._projected:
@@ -113,6 +134,8 @@ class Motion:
 
     def _free(self, t: Array) -> dict[str, Value]:
         found: dict[str, Value] = {name: one.value(t, 0) for name, one in self._tones.items()}
+        if self.signals is not None:
+            found |= self.signals.values(t, {})
         if self._projection is None:
             return found
         start = np.array([found[name] for name in self._projected]).reshape(len(self._projected), len(t))

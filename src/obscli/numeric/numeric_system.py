@@ -18,7 +18,8 @@ from obscli.model.expression import Derivative, Expression, postorder, symbols
 from obscli.model.system import Covector, Matrix, Parameter, System
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.motion import Motion
-from obscli.numeric.program import ROUNDING, Array, Program, Value, constant_error, constant_value
+from obscli.numeric.program import ROUNDING, Array, Program, Value, constant_error, constant_value, jet
+from obscli.numeric.signals import Disturbed
 
 
 _UNKNOWN: Final = 1e100
@@ -40,7 +41,8 @@ class NumericSystem:
     Parameters
     ----------
     system : the system; parameters take their nominal values
-    start, stop : the interval; functions left open follow a sample motion over it
+    start, stop : the interval; functions left open follow a sample motion over it, signals their samples
+    disturbed : noise to be added to signals
 
     Raises
     ------
@@ -48,10 +50,10 @@ class NumericSystem:
         where a parameter has no value, or no sample motion exists
     """
 
-    def __init__(self, system: System, start: float, stop: float) -> None:
+    def __init__(self, system: System, start: float, stop: float, disturbed: Disturbed | None = None) -> None:
         self.system = system
         self.constants = constants_of(system)
-        self.motion = Motion(system, self.constants, start, stop) if system.functions else None
+        self.motion = Motion(system, self.constants, start, stop, disturbed) if system.functions else None
         moving = range(system.n) if system.discrete else sorted({i for i, _ in system.A.entries})
         self.moving = np.array(moving, dtype=int)
         self._program = Program([*system.A.entries.values(), *system.H.entries.values()])
@@ -68,6 +70,11 @@ class NumericSystem:
     def m(self) -> int:
         """The number of outputs."""
         return self.system.m
+
+    @property
+    def parts(self) -> tuple[NumericSystem, ...]:
+        """Systems that do not act on each other, and together are this one."""
+        return (self,)
 
     @cached_property
     def is_constant(self) -> bool:
@@ -112,10 +119,11 @@ class NumericSystem:
     def covectors(self, rows: Sequence[Covector], t: Array) -> tuple[Array, Array]:
         """Return linear forms in the states at k instants, and their rounding errors, (k, len(rows), n) each.
 
-        Entries are not finite where they are undefined.
+        Entries are not finite where they are undefined, or where they need a derivative that jumps from
+        sample to sample of a signal: what is said with it does not hold across a sample.
         """
         entries = [entry for row in rows for entry in row.values()]
-        values = self.values(t, derivative_orders(entries))
+        values = self._smooth_values(t, entries)
         found = iter(Program(entries).run_rounded(values, self.errors(values)))
         place = {name: j for j, name in enumerate(self.system.state_names)}
         result, errors = np.zeros((2, len(t), len(rows), self.n))
@@ -130,14 +138,42 @@ class NumericSystem:
         moving = {} if self.motion is None else self.motion.values(t, orders)
         return {**self.constants, **moving, self.system.time: t}
 
+    def _smooth_values(self, t: Array, entries: Sequence[Expression]) -> dict[str, Value]:
+        orders, jumping = derivative_orders(entries), self.jumping(entries)
+        smooth = {name: min(order, self._smoothness(name)) for name, order in orders.items()}
+        values = self.values(t, {name: max(order, 0) for name, order in smooth.items()})
+        gone = {jet(name, order): np.full(len(t), np.nan) for name, order in jumping}
+        return {**values, **gone}
+
+    def jumping(self, entries: Sequence[Expression]) -> list[tuple[str, int]]:
+        """Return the derivatives of signals in expressions that jump at samples, with their order."""
+        orders = dict.fromkeys(symbols(*entries), 0) | derivative_orders(entries)
+        return [
+            (name, order)
+            for name, most in orders.items()
+            for order in range(self._smoothness(name) + 1, most + 1)
+        ]
+
+    def _smoothness(self, name: str) -> int:
+        signals = self.motion.signals if self.motion else None
+        return 99 if signals is None or name not in signals.names else signals.smoothness(name)
+
+    def knots(self, start: float, stop: float) -> Array:
+        """Return the instants between two others at which a coefficient is not smooth: samples of signals."""
+        signals = self.motion.signals if self.motion else None
+        return np.empty(0) if signals is None else signals.knots(start, stop)
+
     def errors(self, values: Mapping[str, Value]) -> dict[str, Value]:
         """Return the errors of the values: of time and parameters by rounding, of functions as sampled."""
         relative = max(ROUNDING, self.motion.error if self.motion else 0.0)
         found = {
             name: relative * np.abs(value) for name, value in values.items() if name not in self.constants
         }
+        signals = self.motion.signals if self.motion else None
+        sampled = {} if signals is None else signals.errors(values[self.system.time], values)
         return {
             **found,
+            **sampled,
             **self._constant_errors,
             self.system.time: ROUNDING * np.abs(values[self.system.time]),
         }

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from obscli.numeric.analysis import Numeric
 from obscli.numeric.echelon import echelon_curves
-from obscli.numeric.finding import NumericFinding, NumericPoint
+from obscli.numeric.errors import NotComputableError
+from obscli.numeric.excitation import deviations_of, excitation
+from obscli.numeric.finding import NumericFinding, NumericPoint, SampledFile, SignalsFinding
 
 
 def finding_of(numeric: Numeric, *, bases: bool = False, verdicts: bool = True) -> NumericFinding:
@@ -19,6 +23,9 @@ def finding_of(numeric: Numeric, *, bases: bool = False, verdicts: bool = True) 
     """
     curves = echelon_curves(numeric) if verdicts else None
     motion = numeric.system.motion
+    signals = _signals(numeric)
+    hidden = () if signals is None else signals.not_excited
+    states = {} if curves is None else curves.states
     return NumericFinding(
         system=numeric.system.system,
         method=numeric.settings.method,
@@ -30,8 +37,37 @@ def finding_of(numeric: Numeric, *, bases: bool = False, verdicts: bool = True) 
         rank=numeric.rank,
         sampled=motion.names if motion else (),
         window=numeric.window,
-        states={} if curves is None else curves.states,
+        states={
+            name: "not excited" if own == "observable" and name in hidden else own
+            for name, own in states.items()
+        },
         groups=() if curves is None else tuple(group for group in curves.groups if len(group) > 1),
+        signals=signals,
+    )
+
+
+def _signals(numeric: Numeric) -> SignalsFinding | None:
+    signals = numeric.system.motion.signals if numeric.system.motion else None
+    if signals is None:
+        return None
+    files = tuple(
+        SampledFile(one.file, one.names, len(one.t), float(one.t[0]), float(one.t[-1]), one.interpolation)
+        for one in signals.files
+    )
+    found = SignalsFinding(files, deviations_of(numeric.system.system))
+    try:
+        tested = excitation(numeric)
+    except NotComputableError as error:
+        return replace(found, reason=str(error))
+    if tested is None:
+        return found
+    return replace(
+        found,
+        t=tested.t,
+        shown=len(tested.ratios),
+        excited=tested.excited,
+        ratios=tested.ratios,
+        not_excited=tested.not_excited,
     )
 
 

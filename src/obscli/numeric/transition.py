@@ -16,14 +16,15 @@ E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1 (collocat
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from obscli.numeric.collocation import gauss_legendre
 from obscli.numeric.errors import NotComputableError, TooManyStepsError
+from obscli.numeric.knots import blocks, with_knots
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import EPS, ROUNDING, Array, Counts, Flags
 from obscli.numeric.rates import Rates
@@ -32,8 +33,11 @@ from obscli.numeric.settings import Effort
 
 NODES: Final = 16
 
-#: The nodes at which rounding errors of the coefficients are looked at: the largest counts for the panel.
-_PROBED: Final = [0, NODES // 3, 2 * NODES // 3, NODES - 1]
+#: Nodes of panels between samples of signals, which are short.
+FEW_NODES: Final = 10
+
+#: At how many nodes rounding errors of the coefficients are looked at: the largest counts for the panel.
+_PROBED: Final = 4
 
 #: A panel starts at most so long in units of 1/λ (the iteration converges like (hλ)^k/k!) and of 1/ν.
 _MOST_TURN: Final = 2.0
@@ -109,6 +113,8 @@ def edges_of(start: float, instants: Array, longest: float, most: int) -> Array:
 def panels(system: NumericSystem, edges: Array, effort: Effort) -> Iterator[Panels]:
     """Yield the panels between edges in order, in pieces that fit into memory.
 
+    Samples of signals are edges too: between them coefficients are smooth. They do not count as steps.
+
     Raises
     ------
     NotComputableError
@@ -117,11 +123,17 @@ def panels(system: NumericSystem, edges: Array, effort: Effort) -> Iterator[Pane
     """
     require_derivative(system)
     size = NODES * system.n * (len(system.moving) + system.m)
+    coarse = edges
+    edges, inserted = with_knots(edges, system.knots(float(edges[0]), float(edges[-1])))
+    effort = replace(effort, most_steps=effort.most_steps + 2 * inserted)
+    nodes = FEW_NODES if 2 * inserted > len(edges) else NODES
+    size = nodes * system.n * (len(system.moving) + system.m)
     at_once = max(_CHUNK // max(size, 1), 1)
-    solver = _Solver(system, effort)
+    solver = _Solver(system, effort, nodes)
     for first in range(0, len(edges) - 1, at_once):
         part = edges[first : first + at_once + 1]
-        yield solver.resolved(part[:-1], part[1:])
+        whole = np.searchsorted(coarse, part[:-1], side="right") if inserted else None
+        yield solver.resolved(part[:-1], part[1:], whole=whole)
 
 
 def require_derivative(system: NumericSystem) -> None:
@@ -143,7 +155,8 @@ class Parents:
     """Of the panels that some are halves of: how far from being resolved, (k,), the size of A X, (k, p, n).
 
     ``in_vain``: how many halvings in a row did not improve them, shape (k,).
-    An entry that passes through zero inside a short panel is held to its size on the panel it began with.
+    An entry that passes through zero inside a short panel is held to its size on the panel it began with, and
+    so is one between samples of signals.
     """
 
     unresolved: Array
@@ -163,21 +176,44 @@ def not_resolved(system: NumericSystem, t: float) -> str:
     )
 
 
+#: Panels, the tail of A X, and its size, (k, p, n) both.
+Solved: TypeAlias = tuple[Panels, Array, Array]
+
+
+def _beside(parts: Sequence[Solved]) -> Solved:
+    """Return independent systems as one, the states of one after those of the other, their outputs added."""
+    if len(parts) == 1:
+        return parts[0]
+    found = [one for one, _, _ in parts]
+    panel = Panels(
+        ends=found[0].ends,
+        transition=blocks([one.transition for one in found]),
+        rows=np.concatenate([one.rows for one in found], axis=2),
+        transition_error=blocks([one.transition_error for one in found]),
+        row_error=np.concatenate([one.row_error for one in found], axis=1),
+    )
+    return panel, blocks([tail for _, tail, _ in parts]), blocks([size for _, _, size in parts])
+
+
 class _Solver:
     """Solves panels of one system."""
 
-    def __init__(self, system: NumericSystem, effort: Effort) -> None:
+    def __init__(self, system: NumericSystem, effort: Effort, nodes: int) -> None:
         self._system = system
         self._effort = effort
-        self._rule = gauss_legendre(NODES)
+        self._rule = gauss_legendre(nodes)
+        self._probed = np.linspace(0, nodes - 1, _PROBED).round().astype(int)
         self._solved = 0
 
-    def resolved(self, starts: Array, stops: Array, parents: Parents | None = None) -> Panels:
+    def resolved(
+        self, starts: Array, stops: Array, parents: Parents | None = None, whole: Counts | None = None
+    ) -> Panels:
         """Return the panels, those that are not resolved halved until they are.
 
         Parameters
         ----------
         parents : what is known of the panels that these are halves of
+        whole : numbers, in order, of the panels that these are parts of between samples of signals, (k,)
         """
         self._solved += len(starts)
         if self._solved > self._effort.most_steps:
@@ -185,9 +221,12 @@ class _Solver:
         if parents is None and self._system.is_constant and len(starts) > 1:
             return self._alike(starts, stops)
         with np.errstate(over="ignore", invalid="ignore"):  # not finite: does not stand
-            found, tail, largest = self._solve(starts, stops)
+            found, tail, largest = _beside([self._solve(one, starts, stops) for one in self._system.parts])
         if parents is not None:
             largest = np.maximum(largest, parents.largest)
+        if whole is not None:
+            _, first, which = np.unique(whole, return_index=True, return_inverse=True)
+            largest = np.maximum.reduceat(largest, first, axis=0)[which]
         unresolved = (tail / np.maximum(largest, 1e-300)).max(axis=(1, 2), initial=0.0)
         bad = unresolved > self._effort.rtol
         in_vain = np.zeros(len(starts), dtype=int)
@@ -230,17 +269,18 @@ class _Solver:
             spread(lambda p: p.row_error),
         )
 
-    def _solve(self, starts: Array, stops: Array) -> tuple[Panels, Array, Array]:
+    def _solve(self, system: NumericSystem, starts: Array, stops: Array) -> Solved:
         """Return the panels, the tail of A X (0: noise, infinite: X does not stand), and the size of A X."""
-        system, rule = self._system, self._rule
+        rule, nodes = self._rule, len(self._rule.nodes)
         moving, n = system.moving, system.n
         h = stops - starts
         t = starts[:, None] + h[:, None] * rule.nodes
-        A, H = (one.reshape(len(h), NODES, -1, n) for one in system.matrices(t.ravel()))
-        errors = system.coefficients(t[:, _PROBED].ravel())
-        A_error = errors.A_error.reshape(len(h), len(_PROBED), -1, n).max(axis=1)
-        H_error = errors.H_error.reshape(len(h), len(_PROBED), -1, n).max(axis=1)
-        X, derivative, stands = self._iterate(A[..., moving], _without(A, moving), h)
+        A, H = (one.reshape(len(h), nodes, -1, n) for one in system.matrices(t.ravel()))
+        errors = system.coefficients(t[:, self._probed].ravel())
+        A_error = errors.A_error.reshape(len(h), _PROBED, -1, n).max(axis=1)
+        H_error = errors.H_error.reshape(len(h), _PROBED, -1, n).max(axis=1)
+        base = np.eye(n)[moving] - _summed(rule.backward, h[:, None, None, None] * _without(A, moving))
+        X, derivative, stands = self._iterate(A[..., moving], _without(A, moving), base, h)
         largest = np.where(stands[:, None, None], np.abs(derivative).max(axis=1), 0.0)
         tail = np.where(stands[:, None, None], _tail(derivative, rule.spectrum), np.inf)
         size, largest_X = np.abs(A).max(axis=1), np.abs(X).max(axis=1)
@@ -253,8 +293,8 @@ class _Solver:
             return squared
 
         # sums round at random from node to node; so do coefficients where they vary
-        drift = over_panel(2 * ROUNDING * size) / NODES
-        drift += over_panel(A_error) / (1 if system.is_constant else NODES)
+        drift = over_panel(2 * ROUNDING * size) / nodes
+        drift += over_panel(A_error) / (1 if system.is_constant else nodes)
         whole = step * _summed(rule.weights[None], derivative)[:, 0]
         in_rows = times(H_error**2, largest_X**2, moving)
         in_rows += (H**2).max(axis=1)[..., moving] @ drift
@@ -262,18 +302,19 @@ class _Solver:
         found = Panels(
             ends=stops,
             transition=np.eye(n)[moving] - whole,
-            rows=(shares * times(H, X, moving)).reshape(len(h), NODES * system.m, n),
-            transition_error=(step * tail / NODES) ** 2 + drift,
+            rows=(shares * times(H, X, moving)).reshape(len(h), nodes * system.m, n),
+            transition_error=(step * tail / nodes) ** 2 + drift,
             row_error=h[:, None] * in_rows.sum(axis=1),
         )
         return found, np.where(stands[:, None, None] & (tail <= _NOISY * noise), 0.0, tail), largest
 
-    def _iterate(self, inner: Array, outer: Array, h: Array) -> tuple[Array, Array, Flags]:
+    def _iterate(self, inner: Array, outer: Array, base: Array, h: Array) -> tuple[Array, Array, Flags]:
         """Iterate X ← I − h B (A X), all panels together.
 
         Parameters
         ----------
         inner, outer : the moving columns of A (k, s, p, p); A with zeros there (k, s, p, n)
+        base : I − h B (A X) without the moving columns, shape (k, s, p, n)
 
         Returns
         -------
@@ -282,7 +323,6 @@ class _Solver:
         stands : for which panels the iteration has come to rest, shape (k,)
         """
         step = h[:, None, None, None]
-        base = np.eye(self._system.n)[self._system.moving] - _summed(self._rule.backward, step * outer)
         inner, X = step * inner, base
         inner_size, outer_size = np.abs(inner).max(axis=1), h[:, None, None] * np.abs(outer).max(axis=1)
         first = _sweeps_needed(float(inner_size.sum(axis=2).max(initial=0.0)))

@@ -199,6 +199,8 @@ def _with_gramian(result: StageResult, request: AnalyzeRequest, progress: Progre
     if alone or request.curves:
         progress("forms of the coefficients")
         result = replace(result, basis=basis_in_time(numeric, result.finding))
+    if result.system.noise is not None and result.system.noise.signals:
+        progress("what noise of the signals alone would show")
     return replace(result, numeric=finding_of(numeric, bases=alone))
 
 

@@ -14,6 +14,7 @@ from obscli.numeric.finding import (
     NotComputed,
     NumericFinding,
     NumericPoint,
+    SignalsFinding,
 )
 
 
@@ -32,11 +33,36 @@ def numeric_data(found: NumericFinding | NotComputed | None) -> dict[str, object
         "interval": {"start": found.start, "default": found.default},
         "window": json_number(found.window),
         "sampled": list(found.sampled),
+        **({} if found.signals is None else {"signals": _signals(found.signals)}),
         "rank": found.rank,
         "states": dict(found.states),
         "groups": [list(group) for group in found.groups],
         "points": [_point(point) for point in found.points],
         "reason": "",
+    }
+
+
+def _signals(found: SignalsFinding) -> dict[str, object]:
+    return {
+        "files": [
+            {
+                "file": one.file,
+                "names": list(one.names),
+                "samples": one.count,
+                "start": one.start,
+                "stop": one.stop,
+                "interpolation": one.interpolation,
+            }
+            for one in found.files
+        ],
+        "noise": dict(found.noise),
+        "exact": not found.noise,
+        "t": found.t,
+        "shown": found.shown,
+        "excited": found.excited,
+        "ratios": [json_number(ratio) for ratio in found.ratios],
+        "not_excited": list(found.not_excited),
+        "reason": found.reason,
     }
 
 

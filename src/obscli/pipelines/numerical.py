@@ -210,6 +210,14 @@ def verify_analysis(
         if isinstance(there, NotVerified):
             return there
         basis = there
+    jumping = numeric.system.jumping([entry for row in basis for entry in row.values()])
+    if jumping and witness.conclusive.any() and rank < numeric.system.n:
+        name, order = jumping[0]
+        what = f"the derivative of order {order} of the signal {name}" if order else f"the signal {name}"
+        return NotVerified(
+            f"the combinations name {what}, which jumps from sample to sample as it is interpolated; "
+            f"the Gramian shows rank {numeric.rank} of {rank}"
+        )
     return verify_basis(witness, basis)
 
 

@@ -15,6 +15,7 @@ VERDICTS: Final[dict[str, Verdict]] = {
     "verified": "holds",
     "contradicted": "fails",
     "undecided": "undecided",
+    "not excited": "undecided",
 }
 
 

@@ -183,6 +183,7 @@ class _Stage:
             demands=tuple(Demand(name, limit, float(end[name])) for name, limit in demands.items()),
             unsaid=unsaid,
             sampled=motion.names if motion else (),
+            recorded=system.sampled,
         )
 
     def _mismatched(self, found: Simulation, design: Model, other: System) -> Simulation:

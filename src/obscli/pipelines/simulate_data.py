@@ -69,6 +69,7 @@ def _simulation(result: SimulateResult, found: Simulation) -> dict[str, object]:
         "samples": found.history.samples,
         "assumed_step": found.assumed_step,
         "sampled_functions": list(found.sampled),
+        "signals": list(found.recorded),
         "outputs": [_sampling(one) for one in found.sampling],
         "forms": [_form(one) for one in found.forms],
         "no_verdicts": found.unsaid,

@@ -124,6 +124,7 @@ class Simulation:
     demands : requirements of the file on what is followed here
     unsaid : why there are no combinations and verdicts; empty where there are
     sampled : functions of time for which a sample motion was taken
+    recorded : functions of time that files give
     monte_carlo, mismatch : None: not asked for, or interrupted before
     """
 
@@ -139,6 +140,7 @@ class Simulation:
     demands: tuple[Demand, ...]
     unsaid: str
     sampled: tuple[str, ...]
+    recorded: tuple[str, ...] = ()
     monte_carlo: MonteCarlo | None = None
     mismatch: Mismatch | None = None
 

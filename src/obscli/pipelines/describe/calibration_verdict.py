@@ -44,8 +44,8 @@ LEGEND: Final = (
 )
 #: Runs named in advice.
 MOST: Final = 12
-SIGNS: Final = {"verified": "✓", "contradicted": "✗", "undecided": "?"}
-ROLES: Final = {"verified": "good", "contradicted": "bad", "undecided": "open"}
+SIGNS: Final = {"verified": "✓", "contradicted": "✗", "undecided": "?", "not excited": "○"}
+ROLES: Final = {"verified": "good", "contradicted": "bad", "undecided": "open", "not excited": "open"}
 
 
 def calibration_verdict_blocks(result: CalibrationResult) -> Iterator[Block]:
@@ -141,6 +141,8 @@ def _compared(found: Verification) -> str:
         return f"the Gramians agree at {found.agree} of {len(found.points)} fractions of the runs"
     if found.verdict == "contradicted":
         return f"contradicted by the Gramians: {found.reason}"
+    if found.verdict == "not excited":
+        return found.reason
     return f"undecided against the Gramians: {found.reason}"
 
 
@@ -159,6 +161,8 @@ def _runs_verdict(result: CalibrationResult) -> Iterator[tuple[Kind, str]]:
             yield "good", f"the Gramian agrees with the analysis of {who}"
         elif verdict == "contradicted":
             yield "bad", f"the Gramian contradicts the analysis of {listed}"
+        elif verdict == "not excited":
+            yield "open", f"the recorded signals do not excite everything in {listed}"
         else:
             yield "open", f"the Gramian leaves open: {listed}"
 

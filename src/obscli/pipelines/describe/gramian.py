@@ -25,7 +25,7 @@ from obscli.core.number import short
 from obscli.model.system import System
 from obscli.numeric.finding import NotComputed, NumericFinding, NumericPoint
 from obscli.pipelines.describe.instants import runs, span
-from obscli.pipelines.describe.words import SIGNS, names
+from obscli.pipelines.describe.words import ALL_SIGNS, names
 from obscli.pipelines.stage_result import StageResult
 
 
@@ -92,7 +92,8 @@ def _facts(found: NumericFinding) -> Iterator[tuple[Cell, ...]]:
         yield from _discrete_facts(found)
     else:
         ends = f"{first if first == last else f'{first} to {last}'}, from t0 = {number(found.start)}"
-        default = " (default interval: 20 over the fastest rate)" if found.default else ""
+        taken = "20 over the fastest rate" if found.signals is None else "all that the files of signals cover"
+        default = f" (default interval: {taken})" if found.default else ""
         step_error = f"step error {short(found.rtol)}" if found.rtol else "no step error"
         yield line(Text("method")), line(Text(f"{METHODS[found.method]}; {step_error}"))
         yield line(Text("instants")), line(Text(f"{count}: {ends}{default}"))
@@ -163,7 +164,7 @@ def gramian_state_blocks(result: StageResult) -> Iterator[Block]:
         return
     yield Heading(2, plain("States, as the Gramian shows them"))
     rows = []
-    for verdict, (mark, role) in SIGNS.items():
+    for verdict, (mark, role) in ALL_SIGNS.items():
         members = tuple(state for state, own in found.states.items() if own == verdict)
         if members:
             groups = found.groups if verdict == "coupled" else (members,)

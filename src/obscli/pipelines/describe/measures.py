@@ -33,6 +33,7 @@ from obscli.model.notation import to_latex, to_text
 from obscli.numeric.finding import NotComputed
 from obscli.pipelines.describe.formulas import combination
 from obscli.pipelines.describe.measures_notes import limit_blocks, note_blocks, reading_blocks
+from obscli.pipelines.describe.signals import taken_as_exact
 from obscli.pipelines.latex_names import latex_names
 from obscli.pipelines.measures_result import MeasuresResult, Taken
 
@@ -69,6 +70,7 @@ def _stage(result: MeasuresResult) -> Iterator[Block]:
             yield VerdictLine("open", plain(f"not measured: {reason}"))
         case taken:
             yield _setting(result, taken)
+            yield from taken_as_exact(result.system)
             for one in taken:
                 yield from _instant(result, one, several=len(taken) > 1)
             yield from limit_blocks(result)

@@ -17,6 +17,7 @@ from obscli.pipelines.describe.frozen import frozen_blocks
 from obscli.pipelines.describe.gramian import gramian_blocks, gramian_state_blocks
 from obscli.pipelines.describe.neglect import neglect_blocks
 from obscli.pipelines.describe.ranks import rank_blocks
+from obscli.pipelines.describe.signals import signal_blocks
 from obscli.pipelines.describe.stages import stage_table_blocks
 from obscli.pipelines.describe.states import quantity_blocks, state_blocks
 from obscli.pipelines.describe.stationary_witness import stationary_witness_blocks
@@ -44,6 +45,7 @@ SECTIONS = (
 SECTIONS_AFTER = (
     structure_blocks,
     gramian_blocks,
+    signal_blocks,
     gramian_state_blocks,
     time_basis_blocks,
     verification_blocks,

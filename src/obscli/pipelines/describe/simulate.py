@@ -26,6 +26,7 @@ from obscli.core.number import counted, short
 from obscli.core.number import plain as number
 from obscli.numeric.finding import NotComputed
 from obscli.pipelines.describe.formulas import combination
+from obscli.pipelines.describe.signals import taken_as_exact
 from obscli.pipelines.describe.simulate_runs import DEMANDED, demanded, mismatch_blocks, runs_blocks
 from obscli.pipelines.describe.words import names, sign
 from obscli.pipelines.simulate_result import FollowedForm, Sampling, SimulateResult, Simulation
@@ -74,6 +75,7 @@ def _blocks(result: SimulateResult, *, explains: bool, first: bool) -> Iterator[
     if result.interrupted:
         yield Note("warning", plain(_interrupted(found)))
     yield from _sampling_blocks(found, result.system)
+    yield from taken_as_exact(result.system)
     yield from _tables(result, found, explains=explains)
     yield Details(tuple(_course_blocks(result, found)))
     if found.mismatch is not None:
@@ -101,11 +103,12 @@ def _sampling_blocks(found: Simulation, system: System) -> Iterator[Block]:
     rows += [((names(tuple(outputs)),), line(Text(rate))) for rate, outputs in alike.items()]
     yield Table(FACT_COLUMNS, tuple(rows))
     if found.default:
-        taken = (
-            f"{number(found.stop - found.start)} steps are"
-            if system.discrete
-            else "20 over the fastest rate is"
-        )
+        if system.discrete:
+            taken = f"{number(found.stop - found.start)} steps are"
+        else:
+            taken = (
+                "all that the files of signals cover is" if found.recorded else "20 over the fastest rate is"
+            )
         yield Note("note", plain(f"the file gives no `interval`: {taken} taken"))
     if found.assumed_step is not None:
         step = number(found.assumed_step)

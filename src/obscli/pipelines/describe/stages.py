@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Final
+from typing import Final, Literal
 
 from obscli.core.document import Block, Cell, Column, Heading, Paragraph, Table, Text, line, plain
-from obscli.exact.finding import Analysis
+from obscli.exact.finding import Analysis, LinearFormVerdict
 from obscli.numeric.finding import NumericFinding
-from obscli.pipelines.describe.words import SIGNS, sign
+from obscli.pipelines.describe.signals import excited_rank, not_excited
+from obscli.pipelines.describe.words import ALL_SIGNS, SIGNS, sign
 from obscli.pipelines.stage_result import StageResult
 
 
@@ -24,7 +25,8 @@ def stage_table_blocks(results: tuple[StageResult, ...]) -> Iterator[Block]:
     numbered = sum(len(label) + 2 for label in labels) > WIDEST_HEADER
     titles = [str(k) for k in range(1, len(labels) + 1)] if numbered else labels
     columns = (Column("state"), *(Column(title, "centre") for title in titles))
-    legend = ", ".join(f"{mark} {verdict}" for verdict, (mark, _) in SIGNS.items())
+    shown = [verdict for verdict in ALL_SIGNS if verdict in SIGNS or any(map(not_excited, results))]
+    legend = ", ".join(f"{ALL_SIGNS[verdict][0]} {verdict}" for verdict in shown)
     yield Heading(1, plain(f"{results[0].model.name}: states × stages"))
     yield Table(columns, tuple(_rows(results)), (Text(legend, "faint"),))
     if numbered:
@@ -36,12 +38,18 @@ def _rows(results: tuple[StageResult, ...]) -> Iterator[tuple[Cell, ...]]:
     for state in states:
         yield (line(Text(state, "name")), *(line(_verdict(result, state)) for result in results))
     yield (line(Text("rank", "strong")), *(line(_rank(result)) for result in results))
+    excited = [excited_rank(result) for result in results]
+    if any(one is not None for one in excited):
+        cells = (f"{rank}/{one.system.n}" for rank, one in zip(excited, results, strict=True))
+        yield (line(Text("excited", "strong")), *(line(Text(cell)) for cell in cells))
 
 
 def _verdict(result: StageResult, state: str) -> Text:
+    if state in not_excited(result):
+        return sign("not excited")
     match result.finding, result.numeric:
         case Analysis(states=states), _:
-            verdict = states.get(state)
+            verdict: LinearFormVerdict | Literal["not excited"] | None = states.get(state)
         case None, NumericFinding(states=seen) if seen:
             verdict = seen.get(state)
         case _:

@@ -21,7 +21,8 @@ LEGEND = "coupled: known only in combination with the other states of its line."
 
 def state_blocks(finding: Analysis) -> Iterator[Block]:
     """Yield the states in one line a verdict, the coupled ones in one line a group."""
-    yield Heading(2, plain("States"))
+    generic = ", at generic values of the signals" if finding.system.sampled else ""
+    yield Heading(2, plain(f"States{generic}"))
     rows = tuple(_verdict_row(finding, verdict) for verdict in SIGNS if verdict in finding.states.values())
     coupled = "coupled" in finding.states.values()
     yield Table(STATE_COLUMNS, rows, (Text(LEGEND, "faint"),) if coupled else ())

@@ -22,7 +22,7 @@ from obscli.core.document import (
 from obscli.core.number import short
 from obscli.core.verification import CombinationCheck, NotVerified, Point, Verification
 from obscli.exact.finding import Analysis, Undecided
-from obscli.numeric.finding import NotComputed, NumericFinding
+from obscli.numeric.finding import NotComputed, NumericFinding, SignalsFinding
 from obscli.pipelines.describe.instants import runs, span
 from obscli.pipelines.stage_result import StageResult
 
@@ -48,7 +48,12 @@ COMBINATION_COLUMNS: Final = (
     Column("bound", "right"),
     Column(),
 )
-KINDS: Final[dict[str, Kind]] = {"verified": "good", "contradicted": "bad", "undecided": "open"}
+KINDS: Final[dict[str, Kind]] = {
+    "verified": "good",
+    "contradicted": "bad",
+    "undecided": "open",
+    "not excited": "info",
+}
 
 
 def verification_blocks(result: StageResult) -> Iterator[Block]:
@@ -143,11 +148,23 @@ def _verdict(result: StageResult) -> tuple[Kind, str]:
         if result.finding is None:
             kind = "info" if isinstance(numeric, NumericFinding) and numeric.rank is not None else "open"
         return kind, "; ".join(part for part in (exact, seen) if part)
+    signals = numeric.signals if isinstance(numeric, NumericFinding) else None
+    if signals is not None and signals.is_noise and found.verdict != "contradicted":
+        return "info", f"{exact}; {_noise(signals, found.n)}"
     return KINDS[found.verdict], f"{exact}; {_compared(found)}"
+
+
+def _noise(signals: SignalsFinding, n: int) -> str:
+    return (
+        f"this record excites {signals.excited} of {n} directions: the Gramian shows {signals.shown}, "
+        f"{(signals.shown or 0) - (signals.excited or 0)} of them as noise of the signals alone would"
+    )
 
 
 def _proved(finding: Analysis) -> str:
     start = "undecided" if finding.undecided else "proved exactly (generic)"
+    if finding.system.sampled and not finding.undecided:
+        start = "proved exactly (at generic values of the signals)"
     at = finding.at_values
     if at.rank is None:
         return f"{start}: rank {finding.rank}"
@@ -161,6 +178,8 @@ def _numeric_verdict(numeric: NumericFinding | NotComputed | None) -> str:
             return f"not checked against the Gramian: {reason}"
         case NumericFinding(rank=None):
             return "the Gramian decides the rank at no instant: no gap"
+        case NumericFinding(signals=signals) if signals is not None and signals.is_noise:
+            return _noise(signals, numeric.system.n)
         case NumericFinding():
             count = sum(p.decided and p.rank == numeric.rank for p in numeric.points)
             return f"the Gramian shows rank {numeric.rank} at {count} of {len(numeric.points)} instants"
@@ -177,4 +196,6 @@ def _compared(found: Verification) -> str:
             return f"the Gramian agrees at {found.agree} of {len(found.points)} instants{leak}"
         case "contradicted":
             return f"contradicted by the Gramian: {found.reason}{leak}"
+        case "not excited":
+            return found.reason
     return f"undecided against the Gramian: {found.reason}{leak}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, Literal
 
 from obscli.core.document import Inline, Role, Text
 from obscli.core.number import short
@@ -15,11 +15,18 @@ SIGNS: Final[dict[StateVerdict, tuple[str, Role]]] = {
     "coupled": ("◐", "open"),
     "unobservable": ("·", "bad"),
 }
+#: What only noise of signals shows.
+NOT_EXCITED: Final[tuple[str, Role]] = ("○", "open")
+ALL_SIGNS: Final[dict[str, tuple[str, Role]]] = {str(key): own for key, own in SIGNS.items()} | {
+    "not excited": NOT_EXCITED
+}
 UNDECIDED: Final[tuple[str, Role]] = ("?", "open")
 
 
-def sign(verdict: LinearFormVerdict) -> Text:
+def sign(verdict: LinearFormVerdict | Literal["not excited"]) -> Text:
     """Return the sign of a verdict."""
+    if verdict == "not excited":
+        return Text(*NOT_EXCITED)
     return Text(*(UNDECIDED if verdict == "undecided" else SIGNS[verdict]))
 
 

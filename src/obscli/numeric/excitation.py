@@ -1,0 +1,195 @@
+"""How much of what a Gramian shows comes from noise of the signals: noise in a log looks like motion.
+
+Of a record s = s̄ + e only e's size is known. Noise of that size is added once more, s̃ = s + ẽ, and the rows
+of both systems are compared at the same instants, by the Gramian of the pair [x; x̃]:
+
+    |R v|²  = ∫ |H Φ v|²              what the record shows of a direction v
+    |E v|²  = ∫ |H Φ v − H̃ Φ̃ v|²      what noise alone shows of it, the mean of some draws
+
+Where s̄ shows nothing of v, R v is the work of e, as E v is that of ẽ, and both are alike in size. A direction
+counts as excited where |R v| > κ |E v|. On the row space of R = U S Vᵀ, v = V S⁻¹ w, the directions are the
+singular vectors of N = E V S⁻¹, and those are excited whose singular value is below 1/κ. The others, with the
+kernel, are hidden; a state is not excited where a hidden direction contains it, beyond what noise may do.
+What of E v looks like a change along excited directions is left out, since v was chosen free of that in R:
+E v is projected, and the rest tried again until no direction is added.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from obscli.model.system import System
+from obscli.numeric.analysis import Numeric, affordable_steps
+from obscli.numeric.errors import NotComputableError
+from obscli.numeric.numeric_system import NumericSystem, constants_of
+from obscli.numeric.program import Array, constant_value
+from obscli.numeric.settings import STEP_ERROR, Effort
+from obscli.numeric.square_root import square_root_gramian
+
+
+#: κ: e and ẽ are draws of the same size, and may be so far apart where few samples count.
+CLEAR: Final = 5.0
+_DRAWS: Final = 6
+
+#: Each of them is a panel of two systems, in every draw.
+_MOST_SAMPLES: Final = 50_000
+
+#: A component of a unit vector that may be rounding.
+_ROUNDED: Final = 1e-9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Excitation:
+    """What is left of the rank without the work of noise, over the window up to one instant.
+
+    Parameters
+    ----------
+    t : the instant
+    ratios : |R v| / |E v| of the directions that the Gramian shows, the largest first
+    excited : how many of them stand clear of noise
+    not_excited : the states that directions contain which the record does not show, or as noise would
+    """
+
+    t: float
+    ratios: tuple[float, ...]
+    excited: int
+    not_excited: tuple[str, ...]
+
+
+class Pair(NumericSystem):
+    """Two systems side by side, [x; x̃], with y + ỹ for the output; both of the same size."""
+
+    def __init__(self, one: NumericSystem, other: NumericSystem) -> None:
+        self.system, self.constants, self.motion = one.system, one.constants, one.motion
+        self._one, self._other = one, other
+        self.moving = np.concatenate([one.moving, one.n + other.moving])
+
+    @property
+    def n(self) -> int:
+        """The number of states."""
+        return 2 * self._one.n
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether no coefficient varies with time."""
+        return False
+
+    @property
+    def parts(self) -> tuple[NumericSystem, ...]:
+        """The two systems."""
+        return self._one, self._other
+
+
+def deviations_of(system: System) -> dict[str, float]:
+    """Return the standard deviations of samples of signals that the file gives, by function."""
+    given = system.noise.signals if system.noise else {}
+    constants = constants_of(system)
+    sampled = set(system.sampled)
+    found = {name: constant_value(one, constants) for name, one in given.items() if name in sampled}
+    return {name: deviation for name, deviation in found.items() if deviation > 0}
+
+
+def excitation(numeric: Numeric) -> Excitation | None:
+    """Return what noise of the signals may have made of the rank; None where the file gives no noise.
+
+    Raises
+    ------
+    NotComputableError
+        where the system with more noise cannot be integrated
+    """
+    system = numeric.system.system
+    deviations = deviations_of(system)
+    clear = np.flatnonzero(numeric.conclusive)
+    if not deviations or not clear.size or not numeric.rank:
+        return None
+    i = int(clear[-1])
+    draws = _draws(numeric, i, deviations)
+    length = np.linalg.norm(np.concatenate([part for draw in draws for part in draw]), axis=0)
+    D = 1 / np.where(length > 0, length, 1.0)  # a state that only noise shows counts like the others
+    _, S, V = np.linalg.svd(draws[-1][0] * D)
+    inverse = V[: numeric.rank].T / S[: numeric.rank]
+    clear_ones, others, ratios = _told_apart(
+        [(shown * D @ inverse, noise * D @ inverse) for shown, noise in draws]
+    )
+    hidden, _ = np.linalg.qr(np.hstack([V[numeric.rank :].T, inverse @ others]))
+    return Excitation(
+        t=float(numeric.horizon.instants[i]),
+        ratios=tuple(sorted(ratios, reverse=True)),
+        excited=clear_ones.shape[1],
+        not_excited=_touched(numeric, draws, D, hidden, inverse @ clear_ones),
+    )
+
+
+def _told_apart(draws: list[tuple[Array, Array]]) -> tuple[Array, Array, list[float]]:
+    """Return orthonormal w that stand clear of noise, the others, and |R v| / |E v| of all.
+
+    Parameters
+    ----------
+    draws : R V S⁻¹, with orthonormal columns, and E V S⁻¹, shape (k, r) both
+    """
+    rank = draws[0][0].shape[1]
+    seen, others, ratios = np.zeros((rank, 0)), np.eye(rank), list[float]()
+    while True:
+        rest = []
+        for shown, noise in draws:
+            known = shown @ seen
+            work = noise @ others
+            rest.append(work - known @ (known.T @ work))
+        _, size, W = np.linalg.svd(np.concatenate(rest) / np.sqrt(len(draws)))
+        fresh = CLEAR * size < 1
+        with np.errstate(divide="ignore"):
+            found = (1 / size).tolist()
+        if not fresh.any():
+            return seen, others, [*ratios, *found]
+        ratios += [one for one, clear in zip(found, fresh, strict=True) if clear]
+        seen, others = np.hstack([seen, others @ W[fresh].T]), others @ W[~fresh].T
+        if not others.shape[1]:
+            return seen, others, ratios
+
+
+def _draws(numeric: Numeric, i: int, deviations: Mapping[str, float]) -> list[tuple[Array, Array]]:
+    """Return R and E, shape (2n, n) both, of some draws of the noise, over the window of an instant."""
+    one, n = numeric.system, numeric.system.n
+    count = len(one.knots(numeric.horizon.start, float(numeric.horizon.instants[i])))
+    if count > _MOST_SAMPLES:
+        raise NotComputableError(
+            f"{count} instants with samples, {_MOST_SAMPLES} at the most for this test: choose a shorter "
+            "interval (--from, --to)"
+        )
+    start, t = float(numeric.spaces.gramian.starts[i]), numeric.horizon.instants[i : i + 1]
+    effort = Effort(STEP_ERROR["square-root"], affordable_steps(one))
+    found = []
+    for draw in range(_DRAWS):
+        other = NumericSystem(one.system, numeric.horizon.start, numeric.horizon.stop, (deviations, draw))
+        pair = square_root_gramian(Pair(one, other), start, t, numeric.rates, effort)
+        root = pair.matrices[0] / pair.units[0]
+        found.append((root[:, :n], root[:, :n] - root[:, n:]))
+    return found
+
+
+def _touched(
+    numeric: Numeric, draws: list[tuple[Array, Array]], D: Array, hidden: Array, seen: Array
+) -> tuple[str, ...]:
+    """Return the states that hidden directions contain, beyond what noise turns such a direction by.
+
+    To first order noise turns a hidden direction d by −X (R X)ᵀ E d, X the directions seen. Directions are
+    taken as one for each of some states that are turned least, 1 there and 0 at the others of these.
+    """
+    from scipy.linalg import qr  # noqa: PLC0415 - for signals with noise only
+
+    def turned(directions: Array) -> Array:
+        """Return by what each draw turns directions, shape (draws, n, q)."""
+        return np.array([seen @ ((shown * D @ seen).T @ (noise * D @ directions)) for shown, noise in draws])
+
+    by = np.sqrt((turned(hidden) ** 2).mean(axis=0).sum(axis=1))
+    pivots = qr((hidden / (by + _ROUNDED)[:, None]).T, mode="r", pivoting=True)[-1][: hidden.shape[1]]
+    each = hidden @ np.linalg.inv(hidden[pivots])
+    moved = turned(each)
+    size = np.sqrt(((moved - each @ moved[:, pivots]) ** 2).mean(axis=0))
+    contained = (np.abs(each) > CLEAR * size + _ROUNDED).any(axis=1)
+    names = numeric.system.system.state_names
+    return tuple(name for name, touched in zip(names, contained, strict=True) if touched)

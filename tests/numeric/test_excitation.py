@@ -1,0 +1,120 @@
+"""Noise in a log looks like motion: what is told apart, and what is left of the rank.
+
+Straight level flight with position fixes, attitude errors and a lever arm: H Φ has rank 8 of 12 in truth. Noise
+of the accelerometers turns f and shows heading (9), noise of the attitude shows the lever arm as well (12).
+"""
+
+import numpy as np
+import pytest
+
+from obscli.model.reader import load
+from obscli.numeric.analysis import analyze
+from obscli.numeric.excitation import Pair, deviations_of, excitation
+from obscli.numeric.horizon import Wanted
+from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.settings import Effort, Settings
+from obscli.numeric.square_root import square_root_gramian
+
+
+LEVEL = """\
+states: {phi: {components: [E, N, U]}, dv: {components: [E, N, U]}, dp: {components: [E, N, U]}, l: 3}
+signals:
+  file: flight.csv
+  time: t
+  columns: {f: [fE, fN, fU], roll: roll, pitch: pitch, yaw: yaw}
+let: {C: rotz(yaw) @ rotx(pitch) @ roty(roll)}
+dynamics: {phi: [0, 0, 0], dv: "cross(f, phi)", dp: dv}
+measurements: {y: dp + C @ l}
+"""
+TRUTH = ("dp_E", "dp_N", "dp_U", "l1", "l2", "l3")
+
+
+@pytest.fixture
+def flight(tmp_path):
+    """Return the system on a record of 60 s with noise of some size, told (or not) to the model."""
+
+    def build(force=0.0, attitude=0.0, told=None, motion=lambda t: np.zeros((len(t), 6)), seed=3):
+        t, rng = np.arange(0, 60.01, 0.4), np.random.default_rng(seed)
+        record = np.tile([0, 0, 9.81, 0.02, 0.05, 0.7], (len(t), 1)) + motion(t)
+        record += np.repeat([force, attitude], 3) * rng.standard_normal((len(t), 6))
+        header = "t,fE,fN,fU,roll,pitch,yaw"
+        np.savetxt(
+            tmp_path / "flight.csv",
+            np.column_stack([t, record]),
+            delimiter=",",
+            header=header,
+            comments="",
+            fmt="%.15g",
+        )
+        noise = (
+            ""
+            if told is None
+            else "noise: {{signals: {{f: {0}, roll: {1}, pitch: {1}, yaw: {1}}}}}\n".format(*told)
+        )
+        (tmp_path / "m.yaml").write_text(LEVEL + noise)
+        return analyze(load(tmp_path / "m.yaml").systems[0], Settings(Wanted(samples=3)))
+
+    return build
+
+
+@pytest.mark.parametrize(("force", "attitude", "shown"), [(0.0, 0.0, 8), (0.05, 0.0, 9), (0.05, 2e-4, 12)])
+def test_level_flight_excites_eight_directions(flight, force, attitude, shown):
+    numeric = flight(force, attitude, told=(0.05, 2e-4))
+    assert numeric.rank == shown
+    found = excitation(numeric)
+    assert (found.excited, len(found.ratios)) == (8, shown)
+    assert set(found.not_excited) == {"phi_U", *TRUTH}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_verdict_does_not_hang_on_the_draw(flight, seed):
+    assert excitation(flight(0.05, 2e-4, told=(0.05, 2e-4), seed=10 + seed)).excited == 8
+
+
+def test_without_a_stated_noise_nothing_is_tested(flight):
+    numeric = flight(0.05)
+    assert numeric.rank == 9
+    assert excitation(numeric) is None
+
+
+def test_motion_well_above_noise_counts(flight):
+    """Horizontal acceleration shows heading: 9 directions; turns show the lever arm as well."""
+
+    def accelerating(t):
+        found = np.zeros((len(t), 6))
+        found[:, 0] = 2 * np.sin(t / 5)
+        return found
+
+    def turning(t):
+        found = accelerating(t)
+        found[:, 3:] = 0.5 * np.sin(np.outer(t, [0.2, 0.3, 0.1]))
+        return found
+
+    told = (0.05, 2e-4)
+    found = excitation(flight(*told, told, accelerating))
+    assert (found.excited, set(found.not_excited)) == (9, set(TRUTH))
+    found = excitation(flight(*told, told, turning))
+    assert (found.excited, found.not_excited) == (12, ())
+
+
+def test_less_noise_than_there_is_hides_nothing(flight):
+    """The test knows what the file says: noise ten times what it states counts as motion."""
+    assert excitation(flight(0.5, told=(0.05, 0))).excited == 9
+
+
+def test_the_pair_is_two_systems_side_by_side(flight):
+    numeric = flight(0.05, 2e-4, told=(0.05, 2e-4))
+    one, n = numeric.system, numeric.system.n
+    other = NumericSystem(one.system, 0, 60, (deviations_of(one.system), 1))
+    instant = np.array([60.0])
+    effort = numeric.settings.step_error
+
+    def gram(system):
+        found = square_root_gramian(system, 0.0, instant, numeric.rates, Effort(effort, 20_000))
+        root = found.matrices[0] / found.units[0]
+        return root.T @ root
+
+    both, mine, theirs = gram(Pair(one, other)), gram(one), gram(other)
+    assert np.allclose(both[:n, :n], mine, rtol=1e-9, atol=1e-9 * mine.max())
+    assert np.allclose(both[n:, n:], theirs, rtol=1e-9, atol=1e-9 * theirs.max())
+    assert not np.allclose(mine, theirs, rtol=1e-9)
