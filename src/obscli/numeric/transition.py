@@ -7,7 +7,8 @@ On a panel [a, b], h = b − a, the transition X(τ) = Φ(τ, b) satisfies X' = 
 at the Gauss–Legendre nodes τ_j, which gives Φ(a, b) and the rows H(τ_j) Φ(τ_j, b) of the Gramian together.
 Only the moving states' rows of X differ from those of I. Panels start no longer than the dynamics and the
 coefficients allow; one whose A X is not resolved (the estimate of its next Legendre coefficient, relative to
-the entry, exceeds rtol) is halved.
+the entry, exceeds rtol) is halved. Of a time-invariant system panels of the same length are solved once, so
+also the halves of a panel.
 
 References
 ----------
@@ -17,7 +18,7 @@ E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1 (collocat
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -134,6 +135,12 @@ class Parents:
     largest: Array
     in_vain: Counts
 
+    def of_halves(self) -> Parents:
+        """Return what is known of the parents of all first halves, then of all second halves."""
+        return Parents(
+            np.tile(self.unresolved, 2), np.tile(self.largest, (2, 1, 1)), np.tile(self.in_vain, 2)
+        )
+
 
 def _too_many(most: int) -> str:
     return f"more than {most} steps would be needed: choose a shorter interval (--from, --to)"
@@ -163,9 +170,7 @@ class _Solver:
         ----------
         parents : what is known of the panels that these are halves of
         """
-        self._solved += len(starts)
-        if self._solved > self._effort.most_steps:
-            raise TooManyStepsError(_too_many(self._effort.most_steps))
+        self._count(len(starts))
         if parents is None and self._system.is_constant and len(starts) > 1:
             return self._alike(starts, stops)
         with np.errstate(over="ignore", invalid="ignore"):  # not finite: does not stand
@@ -185,13 +190,24 @@ class _Solver:
             return found
         if (stops - starts)[bad].min() < _SHORTEST * np.abs(stops).max():
             raise NotComputableError(not_resolved(self._system, float(starts[bad][0])))
-        middles = (starts[bad] + stops[bad]) / 2
-        fine = self.resolved(
-            np.concatenate([starts[bad], middles]),
-            np.concatenate([middles, stops[bad]]),
-            Parents(np.tile(unresolved[bad], 2), np.tile(largest[bad], (2, 1, 1)), np.tile(in_vain[bad], 2)),
-        )
+        fine = self._halved(starts[bad], stops[bad], Parents(unresolved[bad], largest[bad], in_vain[bad]))
         return _merged(found, ~bad, fine)
+
+    def _halved(self, starts: Array, stops: Array, parents: Parents) -> Panels:
+        """Return the halves of panels, resolved; where nothing varies both are alike, one is solved."""
+        middles = (starts + stops) / 2
+        if self._system.is_constant and len(starts) == 1:
+            first = self.resolved(starts, middles, parents)
+            self._count(len(first.ends))
+            return _repeated(first, stops)
+        return self.resolved(
+            np.concatenate([starts, middles]), np.concatenate([middles, stops]), parents.of_halves()
+        )
+
+    def _count(self, steps: int) -> None:
+        self._solved += steps
+        if self._solved > self._effort.most_steps:
+            raise TooManyStepsError(_too_many(self._effort.most_steps))
 
     def _alike(self, starts: Array, stops: Array) -> Panels:
         """Return the panels of a time-invariant system, those of the same length solved once."""
@@ -328,6 +344,12 @@ def _summed(weights: Array, at_nodes: Array) -> Array:
     """Return Σ_l weights_jl g(τ_l): (r, s) with (k, s, p, n) gives (k, r, p, n)."""
     k, s, p, n = at_nodes.shape
     return (weights @ at_nodes.reshape(k, s, p * n)).reshape(k, len(weights), p, n)
+
+
+def _repeated(once: Panels, stop: Array) -> Panels:
+    """Return panels followed by the same ones once more, which end at ``stop``."""
+    again = replace(once, ends=stop - (once.ends[-1] - once.ends))
+    return _merged(once, np.ones(len(once.ends), dtype=bool), again)
 
 
 def _merged(coarse: Panels, kept: Flags, fine: Panels) -> Panels:
