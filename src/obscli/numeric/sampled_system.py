@@ -139,6 +139,8 @@ class SampledSystem:
         self.numeric = NumericSystem(system, schedule.start, schedule.stop)
         self.noise = noise_model(self.numeric)
         self.schedule = schedule
+        start = np.array([schedule.start])
+        self._constant_outputs = self.numeric.matrices(start)[1] if self.numeric.is_constant else None
 
     @property
     def prior(self) -> Array:
@@ -179,9 +181,13 @@ class SampledSystem:
             moving = dense.forward(t)
             transition = np.tile(np.eye(self.numeric.n), (len(t), 1, 1))
             transition[:, dense.moving] = moving
-            rows = times(self.numeric.matrices(t)[1], moving, dense.moving)
+            rows = times(self._outputs(t), moving, dense.moving)
             yield Stretch(first, transition, rows, noise_roots(self.noise, dense, before))
             first = last
+
+    def _outputs(self, t: Array) -> Array:
+        """Return H at k instants, shape (k, m, n), or (1, m, n) where nothing varies."""
+        return self.numeric.matrices(t)[1] if self._constant_outputs is None else self._constant_outputs
 
     def whitening(self, sample: Counts) -> Array:
         """Return W with W R Wᵀ = I on the outputs sampled, zero elsewhere, shape (k, m, m); −1: no sample."""
@@ -194,6 +200,7 @@ def timeline_of(systems: Sequence[SampledSystem], schedule: Schedule) -> Timelin
     """Return panels on which all systems are resolved, and the instants of the schedule on them."""
     start, stop = schedule.start, schedule.stop
     fewest = max(_FEWEST, len(schedule.t) // _AT_ONCE)
+    systems = list(dict.fromkeys(systems))
     longest = min(*(one.longest() for one in systems), (stop - start) / fewest)
     edges = _moved_to(schedule.t, edges_of(start, np.array([stop]), longest, _MOST_PANELS))
     effort = Effort(_STEP_ERROR, 2 * _MOST_PANELS)

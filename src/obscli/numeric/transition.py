@@ -240,7 +240,7 @@ class _Solver:
         errors = system.coefficients(t[:, _PROBED].ravel())
         A_error = errors.A_error.reshape(len(h), len(_PROBED), -1, n).max(axis=1)
         H_error = errors.H_error.reshape(len(h), len(_PROBED), -1, n).max(axis=1)
-        X, derivative, stands = self._iterate(A[..., moving], _without(A, moving), h)
+        X, derivative, stands = self._iterate(A[..., moving], without(A, moving), h)
         largest = np.where(stands[:, None, None], np.abs(derivative).max(axis=1), 0.0)
         tail = np.where(stands[:, None, None], _tail(derivative, rule.spectrum), np.inf)
         size, largest_X = np.abs(A).max(axis=1), np.abs(X).max(axis=1)
@@ -255,7 +255,7 @@ class _Solver:
         # sums round at random from node to node; so do coefficients where they vary
         drift = over_panel(2 * ROUNDING * size) / NODES
         drift += over_panel(A_error) / (1 if system.is_constant else NODES)
-        whole = step * _summed(rule.weights[None], derivative)[:, 0]
+        whole = step * summed(rule.weights[None], derivative)[:, 0]
         in_rows = times(H_error**2, largest_X**2, moving)
         in_rows += (H**2).max(axis=1)[..., moving] @ drift
         shares = np.sqrt(h[:, None] * rule.weights)[..., None, None]
@@ -282,13 +282,13 @@ class _Solver:
         stands : for which panels the iteration has come to rest, shape (k,)
         """
         step = h[:, None, None, None]
-        base = np.eye(self._system.n)[self._system.moving] - _summed(self._rule.backward, step * outer)
+        base = np.eye(self._system.n)[self._system.moving] - summed(self._rule.backward, step * outer)
         inner, X = step * inner, base
         inner_size, outer_size = np.abs(inner).max(axis=1), h[:, None, None] * np.abs(outer).max(axis=1)
         first = _sweeps_needed(float(inner_size.sum(axis=2).max(initial=0.0)))
         stands = np.zeros(len(h), dtype=bool)
         for sweep in range(_SWEEPS):
-            before, X = X, base - _summed(self._rule.backward, inner @ X)
+            before, X = X, base - summed(self._rule.backward, inner @ X)
             if sweep < first:
                 continue
             largest = np.abs(X).max(axis=1)
@@ -331,16 +331,17 @@ def _grown(A: Array, term: Array, moving: Array, h: Array, first: int) -> Array:
 
 def times(rows: Array, X: Array, moving: Array) -> Array:
     """Return rows X, given only the moving rows of X; the others are those of I."""
-    return rows[..., moving] @ X + _without(rows, moving)
+    return rows[..., moving] @ X + without(rows, moving)
 
 
-def _without(matrix: Array, columns: Array) -> Array:
+def without(matrix: Array, columns: Array) -> Array:
+    """Return a matrix with zeros in some columns."""
     rest = matrix.copy()
     rest[..., columns] = 0
     return rest
 
 
-def _summed(weights: Array, at_nodes: Array) -> Array:
+def summed(weights: Array, at_nodes: Array) -> Array:
     """Return Σ_l weights_jl g(τ_l): (r, s) with (k, s, p, n) gives (k, r, p, n)."""
     k, s, p, n = at_nodes.shape
     return (weights @ at_nodes.reshape(k, s, p * n)).reshape(k, len(weights), p, n)
@@ -370,7 +371,7 @@ def _merged(coarse: Panels, kept: Flags, fine: Panels) -> Panels:
 
 def _tail(derivative: Array, spectrum: Array) -> Array:
     """Return an estimate of the first Legendre coefficient of A X that is left out, (k, p, n)."""
-    last = np.abs(_summed(spectrum[-4:], derivative))
+    last = np.abs(summed(spectrum[-4:], derivative))
     fore, after = last[:, :2].max(axis=1), last[:, 2:].max(axis=1)
     tail: Array = after * np.minimum(after / np.maximum(fore, 1e-300), 1.0)
     return tail
