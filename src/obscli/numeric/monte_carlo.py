@@ -88,7 +88,7 @@ def monte_carlo(  # noqa: PLR0913 - the system, the runs, and what is kept of th
     marks = timeline.marks(recorded)
     t = timeline.t[marks]
     rows = forms.at(design.numeric, t)
-    draws = _Draws(pair.prior, system.n, np.random.Generator(np.random.PCG64(seed)), runs)
+    draws = _Draws(pair.prior, pair.states, np.random.Generator(np.random.PCG64(seed)), runs)
     found: list[_Recorded] = []
     complete = True
     try:
