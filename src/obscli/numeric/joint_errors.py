@@ -203,7 +203,7 @@ class Pair:
 
     def _to_errors(self, true: Stretch, own: Stretch, k: int) -> Array:
         """Return what takes (z, ε) to e at an instant of a panel."""
-        own_part = own.transition[k]
+        own_part: Array = own.transition[k]
         if self.own:
             return own_part
         others = self.common @ true.transition[k] - own_part @ self.common
@@ -211,11 +211,12 @@ class Pair:
 
     def _onward(self, true: Stretch, own: Stretch) -> Array:
         """Return what takes (z, ε) from a panel to the next."""
+        to_errors = self._to_errors(true, own, -1)
         if self.own:
-            return own.transition[-1]
+            return to_errors
         n_x, n_f = true.transition.shape[1], own.transition.shape[1]
         upper = np.concatenate([true.transition[-1], np.zeros((n_x, n_f))], axis=1)
-        return np.concatenate([upper, self._to_errors(true, own, -1)])
+        return np.concatenate([upper, to_errors])
 
 
 def matched(schedule: Schedule, t: Array) -> tuple[Counts, Flags]:
