@@ -126,6 +126,47 @@ def test_too_few_samples_give_no_bound(measure):
     assert measure(text, stop="5").state("cramer-rao") == pytest.approx([1, np.sqrt(2) / 5])
 
 
+@pytest.mark.parametrize("order", ["p, b, k", "b, k, p"])
+def test_a_bound_is_zero_where_a_state_decays_under_the_samples(measure, order):
+    """A day of a Gauss-Markov process in a velocity; k decays as fast and hides behind what b did to p."""
+    text = (
+        f"states: [{order}]\ndynamics: {{p: b + k, b: -b/100, k: -k/100}}\nmeasurements: {{z: p}}\n"
+        "noise: {R: 1, step: 10, P0_std: {p: 10, b: 1, k: 2}}\n"
+    )
+    found = measure(text, stop="86400", select=("cramer-rao", "stochastic", "standard-deviation"))
+    bound, sigma = (
+        [found.state(key)[order.split(", ").index(s)] for s in "pbk"]
+        for key in ("cramer-rao", "standard-deviation")
+    )
+    t = np.arange(-86400, 1, 10.0)
+    g = np.exp(-(t + 86400) / 100)
+    assert bound[0] == pytest.approx((len(t) - g.sum() ** 2 / (g @ g)) ** -0.5, rel=1e-8)
+    assert bound[1:] == [np.inf, np.inf]
+    assert found.combination("cramer-rao") == [0.0]
+    assert sigma[0] == pytest.approx(bound[0], rel=1e-4)
+
+
+def test_what_is_learned_of_an_instability_is_all_where_the_open_loop_is_beyond_all_numbers(measure):
+    text = "states: [x]\nA: [[1]]\nH: [[1]]\nnoise: {R: 1, step: 0.5, P0_std: [1]}\n"
+    found = measure(text, stop="1000", select=("cramer-rao", "stochastic", "standard-deviation"))
+    assert found.state("stochastic") == [1.0]
+    assert found.state("standard-deviation") == pytest.approx([np.sqrt(1 - np.exp(-1))], rel=1e-9)
+    assert found.state("cramer-rao") == pytest.approx(found.state("standard-deviation"), rel=1e-9)
+
+
+def test_a_direction_known_without_end_beside_one_that_is_driven_is_not_resolved(measure):
+    """Noise common to two decaying states: of their difference e^2t, of their sum never more than of w."""
+    text = (
+        "states: [a, b]\ndisturbances: [w]\nA: [[-1, 0], [0, -1]]\nG: [[1], [1]]\nH: [[1, 0], [0, 1]]\n"
+        "noise: {R: [1, 4], step: 0.5, Q: [0.3], P0_std: [1e5, 1e5]}\n"
+    )
+    short = measure(text, stop="10", select=("cramer-rao", "standard-deviation"))
+    assert short.state("cramer-rao") == pytest.approx(short.state("standard-deviation"), rel=1e-6)
+    for stop in ("100", "1000"):
+        found = measure(text, stop=stop, select=("cramer-rao",)).taken.found["cramer-rao"]
+        assert "do not tell all observable combinations apart" in found.reason
+
+
 def test_what_is_missing_is_said(measure):
     text = "states: [x, v]\nA: [[0, 1], [0, 0]]\nH: [[1, 0]]\n"
     assert "no `noise`" in measure(text).taken.found["stochastic"].reason

@@ -275,7 +275,8 @@ def test_quantities_and_combinations_that_vary_are_followed(system):
     for k, t in enumerate(found.t):
         rows = np.array([[np.cos(t), np.sin(t), 0], [1, 1, 0]])
         assert found.deviations[k, [3, 5]] == pytest.approx(np.linalg.norm(rows @ roots[k], axis=1))
-        assert found.open_loop[k, [3, 5]] == pytest.approx(np.linalg.norm(rows @ opened[k], axis=1))
+        assert found.open_loop[k, [3, 5]] == pytest.approx(np.linalg.norm(rows @ opened[k].value, axis=1))
+        assert found.open_loop[k, [3, 5]] == pytest.approx(opened[k].deviations(rows))
     assert np.isnan(found.deviations[0, 4])
     assert found.deviations[1:, 4] == pytest.approx(found.deviations[1:, 0] / found.t[1:])
 
@@ -342,9 +343,37 @@ def test_a_state_without_prior_is_named_with_the_remedy(system):
 
 
 def test_a_covariance_beyond_all_numbers_is_refused_with_its_instant(system):
-    given = system("states: [x]\nA: [[1]]\nH: [[1]]\nnoise: {R: 1, step: 10, P0_std: 1}\n")
+    given = system(
+        "states: [x, y]\nA: [[1, 0], [0, 0]]\nH: [[0, 1]]\nnoise: {R: 1, step: 10, P0_std: [1, 1]}\n"
+    )
     with pytest.raises(NotComputableError, match="beyond all numbers at 7"):
         history(given, 0, 2000)
+
+
+@pytest.mark.parametrize("q", [0, 0.5])
+@pytest.mark.parametrize("order", ["x, y", "y, x"])
+def test_a_measured_instability_is_known_where_the_open_loop_is_beyond_all_numbers(system, order, q):
+    """x' = x + w: P⁺ is that of the scalar Riccati equation, σ⁻² = e^2t + q (e^2t − 1)/2; y' = −y/50 keeps its own."""
+    given = system(
+        f"states: [{order}]\ndynamics: {{x: x, y: -y/50}}\nmeasurements: {{z: x}}\n"
+        f"noise: {{R: 1, step: 0.125, P0_std: {{x: 1, y: 2}}, Q: {{x: {q}, y: 0}}}}\n"
+    )
+    found = history(given, 0, 1000)
+    x, y = (found.names.index(name) for name in "xy")
+    grown, P = np.exp(0.25), 1.0
+    for _ in range(200):
+        ahead = grown * P + q * (grown - 1) / 2
+        P = ahead / (1 + ahead)
+    assert found.deviations[-1, x] ** 2 == pytest.approx(P, rel=1e-10)
+    assert found.deviations[:, y] == pytest.approx(2 * np.exp(-found.t / 50), rel=1e-10)
+    assert found.open_loop[:, y] == pytest.approx(2 * np.exp(-found.t / 50), rel=1e-10)
+    early = found.t < 350
+    assert found.open_loop[early, x] ** 2 == pytest.approx(
+        np.exp(2 * found.t[early]) * (1 + q / 2) - q / 2, rel=1e-10
+    )
+    assert (
+        np.isinf(found.open_loop[:, x]) == (found.t + np.log1p(q / 2) / 2 > np.log(np.finfo(float).max))
+    ).all()
 
 
 def test_roots_are_those_after_the_sample_at_an_instant_and_between_samples(system):
@@ -353,7 +382,7 @@ def test_roots_are_those_after_the_sample_at_an_instant_and_between_samples(syst
     P = 1 / (1 / 4 + 1)
     after = 1 / (1 / (P + 0.5) + 1)
     assert roots[:, 0, 0] ** 2 == pytest.approx([P, P + 0.2, after, after])
-    assert opened[:, 0, 0] ** 2 == pytest.approx([4, 4.2, 4.5, 4.5])
+    assert np.array([one.value[0, 0] for one in opened]) ** 2 == pytest.approx([4, 4.2, 4.5, 4.5])
     with pytest.raises(NotComputableError, match="is not within 0 to 3"):
         roots_at(given, schedule_of(given, 0, 3), np.array([3.5]))
 

@@ -91,6 +91,13 @@ def test_a_filter_that_trusts_too_little_is_below_the_band(system):
     assert (found.nis.average < found.nis.lower).mean() > 0.9
 
 
+def test_errors_of_an_instability_are_drawn_where_the_state_is_beyond_all_numbers(system):
+    given = system("states: [x]\nA: [[1]]\nH: [[1]]\nnoise: {R: 1, step: 0.5, P0_std: 1}\n")
+    found = drawn(given, stop=1000, runs=500, recorded=50)
+    assert found.claimed[-1, 0] == pytest.approx(np.sqrt(1 - np.exp(-1)), rel=1e-10)
+    assert (np.abs(found.rms / found.claimed - 1) < 5 / np.sqrt(2 * 500)).all()
+
+
 def test_a_covariance_that_is_singular_counts_its_range_only(system):
     """h follows c until they differ by less than rounding: from two degrees of freedom to one."""
     given = system(

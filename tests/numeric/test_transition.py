@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.special import factorial
 
 from obscli.numeric.errors import NotComputableError, TooManyStepsError
 from obscli.numeric.numeric_system import NumericSystem
@@ -165,3 +166,26 @@ def test_rows_are_the_roots_of_the_gramian_of_a_panel(system, s_m):
     (found,) = panels(given, np.array([0.0, 0.75]), Effort(1e-14, 100))
     expected = np.sum(np.square(H)) * (1 - np.exp(-0.75)) / 1
     assert (found.rows[0, :, 0] ** 2).sum() == pytest.approx(expected, rel=20 * EPS)
+
+
+@pytest.mark.parametrize(("start", "stop"), [(0.0, 20.0), (-1.0, 0.3)])
+def test_a_strongly_coupled_chain_is_a_polynomial_and_solved_once_a_length(system, monkeypatch, start, stop):
+    """Halved until its entries, (c (a − b))^k/k!, are resolved: one panel of every length is solved."""
+    n, c = 40, 100
+    given = NumericSystem(system(constant(c * np.eye(n, k=1))), start, stop)
+    seen = []
+    matrices = NumericSystem.coefficients
+    monkeypatch.setattr(NumericSystem, "coefficients", lambda s, t: seen.append(len(t)) or matrices(s, t))
+    (found,) = panels(given, np.array([start, stop]), Effort(1e-14, 20_000))
+    whole = np.eye(n)
+    for rows in found.transition:
+        phi = np.eye(n)
+        phi[given.moving] = rows
+        whole = whole @ phi
+    power = np.arange(n) - np.arange(n)[:, None]
+    x = -c * (stop - start)
+    exact = np.where(power < 0, 0, x ** np.abs(power) / factorial(np.abs(power)))
+    np.testing.assert_allclose(whole, exact, rtol=1e-11)
+    assert found.ends[-1] == stop
+    assert len(found.ends) >= 64
+    assert sum(seen) <= seen[0] * (2 + np.log2(len(found.ends)))

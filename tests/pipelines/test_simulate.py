@@ -4,11 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
 from obscli.api import simulate
+from obscli.core.document import VerdictLine
 from obscli.model.reader import load, read_text
-from obscli.numeric.simulation_finding import Consistency
-from obscli.pipelines.describe.simulate_runs import judged
+from obscli.numeric.simulation_finding import Consistency, MonteCarlo
+from obscli.pipelines.describe.simulate_runs import judged, runs_blocks
 from obscli.pipelines.request import Changes, RequestError, SimulateRequest
 from obscli.pipelines.simulate_followed import followed_forms
 
@@ -75,19 +77,109 @@ def test_a_filter_is_taken_from_the_stage_of_the_same_name():
         simulate(truth, design=read_text(text.replace("b:", "c:"), "other.yaml"))
 
 
-@pytest.mark.parametrize("scale", [1.0, 1.3, 0.7])
-def test_the_average_of_consistent_runs_is_in_its_band(scale):
-    """χ² averages of 50 runs and 4 degrees of freedom, errors as claimed, larger, smaller."""
-    runs, n, k = 50, 4, 400
-    averages = np.random.default_rng(5).chisquare(runs * n, k) / (runs * n)
-    half = 1.96 * np.sqrt(2 / (runs * n))
-    band = (np.full(k, 1 - half), np.full(k, 1 + half))
-    found = Consistency(np.arange(k, dtype=float), scale * averages, *band, 0.95)
+def consistency(averages, degrees):
+    """Return averages over runs as a Monte Carlo run gives them; the bands of single instants do not matter."""
+    k = len(averages)
+    return Consistency(np.arange(float(k)), averages, np.zeros(k), np.zeros(k), degrees, 0.95)
 
-    one = judged("NIS", found, independent=True)
-    assert (one.lower <= one.average <= one.upper) is (scale == 1.0)
-    assert one.upper - one.lower == pytest.approx(2 * half / np.sqrt(k))
-    assert (one.average > one.upper) is (scale > 1)
+
+def series(degrees, count, seed, *, independent):
+    """Return averages of right filters (count, k): new at every instant, or one and the same at all."""
+    source = np.random.default_rng(seed)
+    if independent:
+        return source.chisquare(degrees, (count, len(degrees))) / degrees
+    return np.repeat(source.chisquare(degrees[0], (count, 1)) / degrees[0], len(degrees), axis=1)
+
+
+@pytest.mark.parametrize("independent", [True, False])
+@pytest.mark.parametrize("runs", [1, 50])
+def test_right_filters_are_refuted_once_in_a_thousand_and_outside_once_in_twenty(runs, independent):
+    """Of few runs χ² is lopsided; one output is sampled at every instant, another at every third."""
+    outputs = 1 + (np.arange(40) % 3 == 0) if independent else np.full(40, 2)
+    found = [
+        judged("NIS", consistency(one, runs * outputs), 0.95, independent=independent)
+        for one in series(runs * outputs, 8000, 5, independent=independent)
+    ]
+    for rate, expected in (
+        (np.mean([one.refuted for one in found]), 0.001),
+        (np.mean([one.side == "above" for one in found]), 0.025),
+        (np.mean([one.side == "below" for one in found]), 0.025),
+    ):
+        assert rate == pytest.approx(expected, abs=5 * np.sqrt(expected / 8000))
+
+
+@pytest.mark.parametrize("scale", [1.3, 0.7])
+def test_filters_that_claim_another_size_are_refuted(scale):
+    degrees = np.full(400, 500)
+    [averages] = scale * series(degrees, 1, 5, independent=True)
+    for independent in (True, False):
+        one = judged("NIS", consistency(averages, degrees), 0.95, independent=independent)
+        assert one.refuted
+        assert one.side == ("above" if scale > 1 else "below")
+
+
+def test_a_band_is_that_of_all_degrees_of_freedom():
+    degrees = np.array([30, 60, 30])
+    one = judged("NIS", consistency(np.array([1.0, 1.1, 0.9]), degrees), 0.95, independent=True)
+    assert one.average == pytest.approx((30 + 66 + 27) / 120)
+    assert (one.lower, one.upper) == pytest.approx(tuple(chi2.ppf([0.025, 0.975], 120) / 120))
+    alone = judged("NEES", consistency(np.array([1.0, 1.1, 0.9]), degrees), 0.95, independent=False)
+    assert (alone.lower, alone.upper) == pytest.approx(tuple(chi2.ppf([0.025, 0.975], 30) / 30))
+
+
+def verdict(blocks):
+    """Return the kind and the words of the first verdict."""
+    first = next(block for block in blocks if isinstance(block, VerdictLine))
+    return first.kind, "".join(part.text for part in first.content)
+
+
+@pytest.mark.parametrize(
+    ("nees", "nis", "kind", "words"),
+    [
+        (0.5, 0.5, "good", "consistent"),
+        (0.97, 0.03, "good", "consistent"),
+        (0.98, 0.5, "open", "not decided: NEES above the band, as up to 1 in 10 right filters is"),
+        (0.001, 0.999, "open", "not decided: NEES below, NIS above the band"),
+        (0.9999, 0.98, "bad", "optimistic: errors are larger than the filter claims (NEES above the band)"),
+        (0.98, 0.0001, "open", "pessimistic: errors are smaller than the filter claims (NIS below the band)"),
+        (0.9999, 0.0001, "bad", "inconsistent: NEES above the band, NIS below"),
+    ],
+)
+def test_what_chance_may_do_is_not_held_against_a_filter(nees, nis, kind, words):
+    """Averages at quantiles of their distributions: outside of 0.025 … 0.975, of 0.0005 … 0.9995."""
+    degrees, t = np.full(5, 60), np.arange(5.0)
+    parts = [
+        consistency(np.full(5, chi2.ppf(share, own) / own), degrees)
+        for share, own in ((nees, 60), (nis, 300))
+    ]
+    nothing = np.zeros((5, 0))
+    found = MonteCarlo((), (), 20, 0, t, nothing, nothing, nothing, *parts, 0.95)
+    told = verdict(runs_blocks(found, {}, mismatched=False))
+    assert told[0] == kind
+    assert told[1].startswith(words)
+
+
+DRIVEN = """\
+parameters: {beta: 0.1}
+states: [p, v, b, c]
+disturbances: [w1, w2]
+A: [[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, -beta, 0], [0, 0, 0, 0]]
+G: [[0, 0], [1, 0], [0, 1], [0, 0]]
+outputs: {y: {every: 1}, z: {every: 3, during: [[0, 10], [15, 30]]}}
+H: [[1, 0, 0, 0], [0, 1, 0, 1]]
+noise:
+  R: [[0.25, 0], [0, 0.5]]
+  Q: [[0.04, 0], [0, 0.0025]]
+  P0: [[4, 1, 0, 0], [1, 1, 0.1, 0], [0, 0.1, 0.5, 0.2], [0, 0, 0.2, 1]]
+interval: {stop: 30}
+"""
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_right_filter_is_not_called_wrong(seed):
+    report = simulate(read_text(DRIVEN, "driven.yaml"), request=SimulateRequest(runs=400, seed=seed))
+    kind, words = verdict(report.document().blocks)
+    assert (kind, words.partition(":")[0]) in {("good", "consistent"), ("open", "not decided")}
 
 
 def test_every_form_has_its_curve_and_panels_stay_readable():

@@ -39,7 +39,7 @@ class Covariances:
     Parameters
     ----------
     prior : σ₀, shape (k,)
-    after, open_loop : σ⁺ and σ⁻, shape (instants, k)
+    after, open_loop : σ⁺ and σ⁻, infinite where it grows beyond all numbers, shape (instants, k)
     first : L₀, shape (n, n)
     last : L⁺ at the last instant, shape (n, n)
     """
@@ -66,7 +66,7 @@ def covariances(subject: Subject, instants: Array) -> Covariances:
     return Covariances(
         prior=_sizes(forms[0], first),
         after=np.array([_sizes(c, root) for c, root in zip(forms[1:], after, strict=True)]),
-        open_loop=np.array([_sizes(c, root) for c, root in zip(forms[1:], open_loop, strict=True)]),
+        open_loop=np.array([opened.deviations(c) for c, opened in zip(forms[1:], open_loop, strict=True)]),
         first=first,
         last=after[-1],
     )
@@ -114,10 +114,10 @@ def bounds_at(subject: Subject, instants: Array) -> Array:
     schedule = _schedule(subject, float(instants[-1]))
     nothing = np.zeros((0, subject.n))
     found = []
-    for t, root in zip(instants, information_roots(subject.system, schedule, instants), strict=True):
-        kernel = subject.directions(float(t))
-        if _resolved(root, kernel):
-            bound = deviations(nothing, root, subject.forms(float(t)), kernel)
+    for t, known in zip(instants, information_roots(subject.system, schedule, instants), strict=True):
+        kernel = known.directions(subject.directions(float(t)))
+        if _resolved(known.root, kernel):
+            bound = deviations(nothing, known.root, known.forms(subject.forms(float(t))), kernel)
         else:
             bound = np.full(len(subject.targets), np.nan)
         found.append(np.where(subject.observable, bound, np.inf))

@@ -6,7 +6,8 @@ On a panel [a, b], h = b − a, u = (τ − a)/h, the transition Y(τ) = Φ(τ, 
     Y(τ) = I + h Σ_k c_k ∫_0^u P_k(2v − 1) dv,    c_k the Legendre coefficients of A Y
 
 so that a panel is as long as the dynamics allow, however many instants it holds. Only the moving states' rows
-of Y differ from those of I. Where panels are resolved by ``transition``, so are these polynomials.
+of Y differ from those of I. Where panels are resolved by ``transition``, so are these polynomials. Of a
+time-invariant system they depend on τ − a alone: panels up to twice as long as another share the longest's.
 
 References
 ----------
@@ -26,7 +27,7 @@ from obscli.numeric.collocation import gauss_legendre
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import EPS, Array
-from obscli.numeric.transition import NODES, not_resolved, require_derivative, times
+from obscli.numeric.transition import NODES, not_resolved, require_derivative, summed, without
 
 
 _SWEEPS: Final = 60
@@ -37,19 +38,27 @@ _CHUNK: Final = 2_000_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DenseTransition:
-    """Φ(τ, a) on one panel: ``slopes`` are the Legendre coefficients of A Y, shape (s, p, n)."""
+    """Φ(τ, a) on one panel.
+
+    Parameters
+    ----------
+    start, stop : the panel
+    length : of the polynomials, at least that of the panel
+    moving : the states whose rows are not those of I, shape (p,)
+    slopes : the Legendre coefficients of A Y over that length, shape (s, p, n)
+    """
 
     start: float
     stop: float
+    length: float
     moving: Array
     slopes: Array
 
     def forward(self, t: Array) -> Array:
         """Return the moving rows of Φ(t, a) at instants of the panel, shape (k, p, n)."""
-        h = self.stop - self.start
-        u = (t - self.start) / h
         s, p, n = self.slopes.shape
-        flat = h * (_integrals(u, s) @ self.slopes.reshape(s, p * n))
+        u = (t - self.start) / self.length
+        flat = self.length * (_integrals(u, s) @ self.slopes.reshape(s, p * n))
         result: Array = np.eye(n)[self.moving] + flat.reshape(len(t), p, n)
         return result
 
@@ -73,13 +82,28 @@ def dense_transitions(system: NumericSystem, edges: Array) -> Iterator[DenseTran
         where a panel is too long, or a coefficient does not exist
     """
     require_derivative(system)
+    if system.is_constant:
+        yield from _shared(system, edges)
+        return
     size = NODES * system.n * max(2 * len(system.moving), system.m, 1)
     at_once = max(_CHUNK // size, 1)
     for first in range(0, len(edges) - 1, at_once):
         part = edges[first : first + at_once + 1]
         slopes = _slopes(system, part[:-1], part[1:])
         for start, stop, one in zip(part[:-1], part[1:], slopes, strict=True):
-            yield DenseTransition(float(start), float(stop), system.moving, one)
+            yield DenseTransition(float(start), float(stop), float(stop - start), system.moving, one)
+
+
+def _shared(system: NumericSystem, edges: Array) -> Iterator[DenseTransition]:
+    """Yield the transitions of a time-invariant system, one polynomial for lengths within a factor of two."""
+    starts, stops, h = edges[:-1], edges[1:], np.diff(edges)
+    magnitude = np.floor(np.log2(h.max() / h))
+    slopes: dict[float, tuple[float, Array]] = {}
+    for start, stop, key in zip(starts, stops, magnitude.tolist(), strict=True):
+        if key not in slopes:
+            longest = float(h[magnitude == key].max())
+            slopes[key] = longest, _slopes(system, np.zeros(1), np.array([longest]))[0]
+        yield DenseTransition(float(start), float(stop), slopes[key][0], system.moving, slopes[key][1])
 
 
 def _slopes(system: NumericSystem, starts: Array, stops: Array) -> Array:
@@ -90,26 +114,24 @@ def _slopes(system: NumericSystem, starts: Array, stops: Array) -> Array:
     h = (stops - starts)[:, None]
     t = starts[:, None] + h * rule.nodes
     A = system.matrices(t.ravel())[0].reshape(k, NODES, p, n)
-    base = np.eye(n)[moving]
-    Y = np.broadcast_to(base, (k, NODES, p, n))
+    inner, outer = h[..., None, None] * A[..., moving], h[..., None, None] * without(A, moving)
+    base = np.eye(n)[moving] + summed(rule.forward, outer)
+    inner_size, outer_size = np.abs(inner).max(axis=1), np.abs(outer).max(axis=1)
+    Y = base
     for _ in range(_SWEEPS):
-        slope = times(A, Y, moving)
-        before, Y = (
-            Y,
-            base + (h[..., None] * (rule.forward @ slope.reshape(k, NODES, p * n))).reshape(Y.shape),
-        )
-        if (np.abs(Y - before) <= 4 * EPS * np.abs(Y).max(axis=1, keepdims=True)).all():
+        before, Y = Y, base + summed(rule.forward, inner @ Y)
+        largest = np.abs(Y).max(axis=1)
+        change = np.abs(Y - before).max(axis=1)
+        if (change <= 2 * EPS * (largest + inner_size @ largest + outer_size)).all():
             break
     else:
-        _refuse_unsettled(system, starts, np.abs(Y - before), np.abs(Y))
-    slope = times(A, Y, moving)
-    coefficients: Array = (rule.spectrum @ slope.reshape(k, NODES, p * n)).reshape(k, NODES, p, n)
-    return coefficients
+        _refuse_unsettled(system, starts, change, largest)
+    return summed(rule.spectrum, inner @ Y + outer) / h[..., None, None]
 
 
 def _refuse_unsettled(system: NumericSystem, starts: Array, change: Array, size: Array) -> None:
     """Refuse panels on which the iteration still moves by more than rounding of the whole."""
-    axes = (1, 2, 3)
+    axes = (1, 2)
     bad = ~(change.max(axis=axes, initial=0.0) <= NODES * system.n * EPS * size.max(axis=axes, initial=1.0))
     if bad.any():
         raise NotComputableError(not_resolved(system, float(starts[bad][0])))

@@ -24,7 +24,7 @@ from obscli.numeric.collocation import gauss_legendre
 from obscli.numeric.dense_transition import DenseTransition
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.noise import NoiseModel
-from obscli.numeric.program import Array, Program
+from obscli.numeric.program import Array, Flags, Program
 from obscli.numeric.rates import argument_derivatives
 
 
@@ -64,6 +64,17 @@ def noise_roots(noise: NoiseModel, dense: DenseTransition, t: Array) -> Array | 
         return roots
     triangles: Array = np.linalg.qr(roots.swapaxes(1, 2), mode="r")  # type: ignore[assignment]  # no QRResult here
     return triangles.swapaxes(1, 2)
+
+
+def driven_states(noise: NoiseModel) -> Flags:
+    """Return which states noise enters directly, shape (n,)."""
+    system = noise.system.system
+    found = np.zeros(system.n, dtype=bool)
+    if noise.drive is not None and system.noise is not None and system.noise.driven == "states":
+        found[np.abs(noise.drive).any(axis=1)] = True
+    elif noise.drive is not None and system.G is not None:
+        found[[i for i, _ in system.G.entries]] = True
+    return found
 
 
 def driving_rate(noise: NoiseModel, t: Array) -> float:

@@ -7,7 +7,8 @@ state that the truth does not have is zero there). On a panel from a, z = x(a), 
     ν = D z + B ε + W v,    B = W H_f Φ_f,    D = W H Φ − B E,    W Cov(v) Wᵀ = I where the filter is right
     ε⁺ = ε − K ν
 
-D and E Φ − Φ_f E are zero for equal models: e is then the error of the ordinary filter.
+D and E Φ − Φ_f E are zero for equal models: e is then the error of the ordinary filter, and z, which may grow
+without bound where e does not, is left out (n_x = 0).
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ class _Outputs:
 
 
 class Pair:
-    """A true system and the filter designed on another, states and outputs matched by name.
+    """A true system and the filter designed on another, or on itself; states and outputs matched by name.
 
     Raises
     ------
@@ -102,6 +103,7 @@ class Pair:
     def __init__(self, truth: SampledSystem, design: SampledSystem) -> None:
         self.truth = truth
         self.design = design
+        self.own = truth is design
         self.common = _among(design.numeric.system.state_names, truth.numeric.system.state_names)
         self._check_time()
         names = [[one.name for one in system.numeric.system.outputs] for system in (design, truth)]
@@ -119,8 +121,16 @@ class Pair:
     @property
     def prior(self) -> Array:
         """A square root of the covariance of (z, ε) before the first sample, where x̂ = 0."""
-        root = self.truth.prior
-        return np.concatenate([root, self.common @ root])
+        return self._joint(self.truth.prior)
+
+    @property
+    def states(self) -> int:
+        """How many true states are followed beside the errors, n_x."""
+        return 0 if self.own else self.truth.numeric.n
+
+    def _joint(self, root: Array) -> Array:
+        """Return what enters (z, ε) where ``root`` enters z."""
+        return root if self.own else np.concatenate([root, self.common @ root])
 
     def _check_time(self) -> None:
         """Refuse a filter in discrete time on a truth in continuous time, and the other way round."""
@@ -171,14 +181,13 @@ class Pair:
             where the covariance is beyond all numbers
         """
         root = self.design.prior
-        both = zip(self.truth.stretches(timeline), self.design.stretches(timeline), strict=True)
-        for true, own in both:
+        for true, own in self._stretches(timeline):
             part = slice(own.first, own.first + len(own.rows))
             progress(timeline.progress(part.start))
             outputs = self._outputs_of(true, own, timeline.sample[part])
             for k in range(len(own.rows)):
                 if true.noise is not None:
-                    errors.add(np.concatenate([true.noise[k], self.common @ true.noise[k]]))
+                    errors.add(self._joint(true.noise[k]))
                 entered = None if own.noise is None else own.noise[k]
                 root, innovation = outputs.taken(k, root, entered, errors)
                 if marks[own.first + k]:
@@ -188,9 +197,17 @@ class Pair:
             root = own.onward @ root
             errors.move(self._onward(true, own))
 
+    def _stretches(self, timeline: Timeline) -> Iterator[tuple[Stretch, Stretch]]:
+        """Yield the panels of the truth and of the filter side by side."""
+        if self.own:
+            return ((one, one) for one in self.design.stretches(timeline))
+        return zip(self.truth.stretches(timeline), self.design.stretches(timeline), strict=True)
+
     def _outputs_of(self, true: Stretch, own: Stretch, sample: Counts) -> _Outputs:
         whitening = self.design.whitening(sample)
         rows = whitening @ own.rows
+        if self.own:
+            return _Outputs(rows, rows, whitening @ self._noise, sample >= 0)
         others = whitening @ (self._outputs @ true.rows) - rows @ self.common
         return _Outputs(rows, np.concatenate([others, rows], axis=2), whitening @ self._noise, sample >= 0)
 
@@ -200,14 +217,19 @@ class Pair:
 
     def _errors_by(self, true_part: Array, own_part: Array) -> Array:
         """Return what takes (z, ε) to e where Φ moves the truth and Φ_f the estimate."""
+        if self.own:
+            return own_part
         others = self.common @ true_part - own_part @ self.common
         return np.concatenate([others, own_part], axis=1)
 
     def _onward(self, true: Stretch, own: Stretch) -> Array:
         """Return what takes (z, ε) from a panel to the next."""
+        to_errors = self._errors_by(true.onward, own.onward)
+        if self.own:
+            return to_errors
         n_x, n_f = true.transition.shape[1], own.transition.shape[1]
         upper = np.concatenate([true.onward, np.zeros((n_x, n_f))], axis=1)
-        return np.concatenate([upper, self._errors_by(true.onward, own.onward)])
+        return np.concatenate([upper, to_errors])
 
 
 def matched(schedule: Schedule, t: Array) -> tuple[Counts, Flags]:

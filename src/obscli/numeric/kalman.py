@@ -3,7 +3,8 @@
     P(t)⁻¹ = Φ⁻ᵀ (P₀⁻¹ + W_R) Φ⁻¹    where nothing drives
 
 Panel by panel in coordinates of its start: without driving noise the samples between two instants recorded
-are taken together, with driving noise one by one. Beside it the open loop, had nothing been measured.
+are taken together, with driving noise one by one. Beside it the open loop, had nothing been measured: it may
+grow beyond all numbers where the filter does not, and is infinite then.
 
 References
 ----------
@@ -25,6 +26,7 @@ from obscli.numeric.sampled_system import SampledSystem, Stretch, Timeline, time
 from obscli.numeric.schedule import Schedule
 from obscli.numeric.simulation_finding import History
 from obscli.numeric.square_root_filter import compressed, informed, measured, refuse_infinite
+from obscli.numeric.wide_rows import WideRows
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,7 +35,7 @@ class Known:
 
     index: int
     root: Array
-    open_loop: Array
+    open_loop: WideRows
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what is not finite is refused
@@ -61,9 +63,11 @@ def covariance_history(
     found: list[tuple[Array, Array]] = []
     complete = True
     try:
-        for known in followed(sampled, timeline, marks, (sampled.prior, sampled.prior), progress):
+        for known in followed(
+            sampled, timeline, marks, (sampled.prior, WideRows.of(sampled.prior)), progress
+        ):
             row = rows[len(found)]
-            found.append((deviations(row, known.root), deviations(row, known.open_loop)))
+            found.append((deviations(row, known.root), known.open_loop.deviations(row)))
     except KeyboardInterrupt:
         complete = False
     k = len(found)
@@ -74,8 +78,8 @@ def covariance_history(
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what is not finite is refused
-def roots_at(system: System, schedule: Schedule, instants: Array) -> tuple[Array, Array]:
-    """Return L with P = L Lᵀ after the samples up to each instant, and of the open loop, (k, n, n) each.
+def roots_at(system: System, schedule: Schedule, instants: Array) -> tuple[Array, list[WideRows]]:
+    """Return L with P = L Lᵀ after the samples up to each instant, (k, n, n), and those of the open loop.
 
     Parameters
     ----------
@@ -84,10 +88,10 @@ def roots_at(system: System, schedule: Schedule, instants: Array) -> tuple[Array
     sampled = SampledSystem(system, schedule)
     timeline, places = timeline_of([sampled], schedule).including(instants)
     marks = np.isin(np.arange(len(timeline.t)), places)
-    prior = (sampled.prior, sampled.prior)
+    prior = (sampled.prior, WideRows.of(sampled.prior))
     found = {one.index: one for one in followed(sampled, timeline, marks, prior, silent)}
     roots = np.array([found[k].root for k in places])
-    return roots, np.array([compressed([found[k].open_loop]) for k in places])
+    return roots, [found[k].open_loop.compressed() for k in places]
 
 
 def deviations(rows: Array, root: Array) -> Array:
@@ -100,7 +104,7 @@ def followed(
     sampled: SampledSystem,
     timeline: Timeline,
     marks: Flags,
-    roots: tuple[Array, Array],
+    roots: tuple[Array, WideRows],
     progress: Progress,
 ) -> Iterator[Known]:
     """Yield what is known at the marks.
@@ -124,7 +128,9 @@ def followed(
                 yield _known(timeline, stretch, k, root, opened)
         end = stretch.onward
         root = end @ root
-        opened = end @ opened if stretch.noise is None else compressed([end @ opened, *(end @ stretch.noise)])
+        opened = opened.moved(end)
+        if stretch.noise is not None:
+            opened = opened.beside(tuple(end @ stretch.noise)).compressed()
 
 
 def _still(root: Array, rows: Array, taken: Flags, marks: Flags) -> Iterator[tuple[int, Array]]:
@@ -149,9 +155,11 @@ def _driven(
             yield k, root
 
 
-def _known(timeline: Timeline, stretch: Stretch, k: int, root: Array, opened: Array) -> Known:
+def _known(timeline: Timeline, stretch: Stretch, k: int, root: Array, opened: WideRows) -> Known:
     phi = stretch.transition[k]
-    parts = [opened] if stretch.noise is None else [opened, *stretch.noise[: k + 1]]
-    known = Known(stretch.first + k, phi @ root, phi @ np.concatenate(parts, axis=1))
-    refuse_infinite(timeline.t[known.index], known.root, known.open_loop)
+    open_loop = opened.moved(phi)
+    if stretch.noise is not None:
+        open_loop = open_loop.beside(tuple(phi @ stretch.noise[: k + 1]))
+    known = Known(stretch.first + k, phi @ root, open_loop)
+    refuse_infinite(timeline.t[known.index], known.root)
     return known

@@ -63,7 +63,7 @@ def mismatch_history(
     marks = timeline.marks(recorded)
     t = timeline.t[marks]
     rows = forms.at(pair.design.numeric, t)
-    joint = _Root(pair.prior, truth.n)
+    joint = _Root(pair.prior, pair.states)
     found: list[tuple[Array, Array]] = []
     complete = True
     try:

@@ -20,9 +20,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.special import gammaincinv
 
 from obscli.model.system import System
+from obscli.numeric.chi_squared import chi_squared_band
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.joint_errors import Known, Pair
 from obscli.numeric.linear_forms import Forms
@@ -88,7 +88,7 @@ def monte_carlo(  # noqa: PLR0913 - the system, the runs, and what is kept of th
     marks = timeline.marks(recorded)
     t = timeline.t[marks]
     rows = forms.at(design.numeric, t)
-    draws = _Draws(pair.prior, system.n, np.random.Generator(np.random.PCG64(seed)), runs)
+    draws = _Draws(pair.prior, pair.states, np.random.Generator(np.random.PCG64(seed)), runs)
     found: list[_Recorded] = []
     complete = True
     try:
@@ -170,10 +170,10 @@ def _normalised(root: Array, errors: Array) -> tuple[float, int]:
 def _consistency(t: Array, sums: Sequence[tuple[float, int]], runs: int) -> Consistency:
     total, degrees = np.array(sums, dtype=float).reshape(-1, 2).T
     degrees = degrees * runs
-    lower, upper = (2 * gammaincinv(degrees / 2, (1 + sign * _CONFIDENCE) / 2) / degrees for sign in (-1, 1))
+    lower, upper = chi_squared_band(degrees, _CONFIDENCE)
     average = total / degrees
     inside = (average >= lower) & (average <= upper)
-    return Consistency(t, average, lower, upper, float(inside.mean()) if len(t) else 0.0)
+    return Consistency(t, average, lower, upper, degrees, float(inside.mean()) if len(t) else 0.0)
 
 
 def _innovations(t: Array, found: Sequence[tuple[float, int] | None], runs: int) -> Consistency | None:

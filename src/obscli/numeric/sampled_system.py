@@ -17,14 +17,15 @@ import numpy as np
 
 from obscli.core.number import bar
 from obscli.model.system import System
-from obscli.numeric.dense_transition import dense_transitions
+from obscli.numeric.dense_transition import DenseTransition, dense_transitions
 from obscli.numeric.discrete_steps import require_whole, single_steps, steps_between
-from obscli.numeric.driving_noise import driving_rate, noise_roots
+from obscli.numeric.driving_noise import driven_states, driving_rate, noise_roots
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.noise import noise_model
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import Array, Counts, Flags
 from obscli.numeric.rates import rates_of
+from obscli.numeric.reach import reach
 from obscli.numeric.schedule import Schedule
 from obscli.numeric.settings import Effort
 from obscli.numeric.transition import edges_of, longest_step, panels, times
@@ -147,6 +148,10 @@ class SampledSystem:
         self.numeric = NumericSystem(system, schedule.start, schedule.stop)
         self.noise = noise_model(self.numeric)
         self.schedule = schedule
+        start = np.array([schedule.start])
+        self.reach = reach(system)
+        self._driven = self.reach @ driven_states(self.noise)
+        self._constant_outputs = self.numeric.matrices(start)[1] if self.numeric.is_constant else None
 
     @property
     def prior(self) -> Array:
@@ -190,8 +195,8 @@ class SampledSystem:
             moving = dense.forward(t)
             transition = np.tile(np.eye(self.numeric.n), (len(t), 1, 1))
             transition[:, dense.moving] = moving
-            rows = times(self.numeric.matrices(t)[1], moving, dense.moving)
-            yield Stretch(first, transition, rows, noise_roots(self.noise, dense, before))
+            rows = times(self._outputs(t), moving, dense.moving)
+            yield Stretch(first, transition, rows, self._roots(dense, before))
             first = last
 
     def _steps(self, timeline: Timeline) -> Iterator[Stretch]:
@@ -199,6 +204,17 @@ class SampledSystem:
         here = np.eye(self.numeric.n)[None]
         for k, F, H, entered in single_steps(self.numeric, self.noise, timeline.t):
             yield Stretch(k, here, H[None], None if entered is None else entered[None], F)
+
+    def _roots(self, dense: DenseTransition, t: Array) -> Array | None:
+        """Return the square roots of the noise of steps, zero in the states that it does not reach."""
+        found = noise_roots(self.noise, dense, t)
+        if found is not None:
+            found[:, ~self._driven] = 0.0
+        return found
+
+    def _outputs(self, t: Array) -> Array:
+        """Return H at k instants, shape (k, m, n), or (1, m, n) where nothing varies."""
+        return self.numeric.matrices(t)[1] if self._constant_outputs is None else self._constant_outputs
 
     def whitening(self, sample: Counts) -> Array:
         """Return W with W R Wᵀ = I on the outputs sampled, zero elsewhere, shape (k, m, m); −1: no sample."""
@@ -213,6 +229,7 @@ def timeline_of(systems: Sequence[SampledSystem], schedule: Schedule) -> Timelin
     if systems[0].numeric.system.discrete:
         return _step_by_step(schedule)
     fewest = max(_FEWEST, len(schedule.t) // _AT_ONCE)
+    systems = list(dict.fromkeys(systems))
     longest = min(*(one.longest() for one in systems), (stop - start) / fewest)
     edges = _moved_to(schedule.t, edges_of(start, np.array([stop]), longest, _MOST_PANELS))
     effort = Effort(_STEP_ERROR, 2 * _MOST_PANELS)

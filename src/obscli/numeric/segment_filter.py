@@ -22,7 +22,7 @@ from obscli.numeric.sampled_system import SampledSystem, timeline_of
 from obscli.numeric.schedule import Schedule, schedule_of
 from obscli.numeric.segment_gramian import Piece
 from obscli.numeric.simulation_finding import History
-from obscli.numeric.square_root_filter import compressed
+from obscli.numeric.wide_rows import WideRows
 
 
 #: Instants recorded in one segment at least.
@@ -85,7 +85,7 @@ def segment_history(
     try:
         for one in _followed(pieces, schedules, recorded, progress):
             row = forms.at(one.numeric, np.array([one.t]))[0]
-            found.append((one.t, deviations(row, one.root), deviations(row, one.open_loop)))
+            found.append((one.t, deviations(row, one.root), one.open_loop.deviations(row)))
     except KeyboardInterrupt:
         complete = False
     k, r = len(found), len(forms.names)
@@ -96,7 +96,7 @@ def segment_history(
     return History(forms.names, forms.kinds, times, closed, opened, prior, samples, complete)
 
 
-def segment_roots(pieces: Sequence[Piece], schedules: Sequence[Schedule]) -> tuple[Array, Array, Array]:
+def segment_roots(pieces: Sequence[Piece], schedules: Sequence[Schedule]) -> tuple[Array, Array, WideRows]:
     """Return L with P = L Lᵀ at the start, at the end of the last segment, and there of the open loop.
 
     Raises
@@ -105,7 +105,7 @@ def segment_roots(pieces: Sequence[Piece], schedules: Sequence[Schedule]) -> tup
         as ``segment_history``
     """
     *_, last = _followed(pieces, schedules, 0, silent)
-    return SampledSystem(pieces[0].system, schedules[0]).prior, last.root, compressed([last.open_loop])
+    return SampledSystem(pieces[0].system, schedules[0]).prior, last.root, last.open_loop.compressed()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,7 +115,7 @@ class _Known:
     numeric: NumericSystem
     t: float
     root: Array
-    open_loop: Array
+    open_loop: WideRows
 
 
 def _followed(
@@ -123,18 +123,18 @@ def _followed(
 ) -> Iterator[_Known]:
     """Yield what is known at instants, the end of every segment and what is after a jump among them."""
     total = pieces[-1].stop - pieces[0].start
-    roots: tuple[Array, Array] | None = None
+    roots: tuple[Array, WideRows] | None = None
     jumped = True
     for piece, schedule in zip(pieces, schedules, strict=True):
         sampled = SampledSystem(piece.system, schedule)
-        roots = roots or (sampled.prior, sampled.prior)
+        roots = roots or (sampled.prior, WideRows.of(sampled.prior))
         timeline = timeline_of([sampled], schedule)
         marks = timeline.marks(max(_FEWEST, round(recorded * (piece.stop - piece.start) / total)))
         marks[0] &= jumped
         for known in followed(sampled, timeline, marks, roots, progress):
             yield _Known(sampled.numeric, float(timeline.t[known.index]), known.root, known.open_loop)
             last = (known.root, known.open_loop)
-        roots = (last[0], compressed([last[1]]))
+        roots = (last[0], last[1].compressed())
         jumped = piece.jump is not None
         if piece.jump is not None:
-            roots = (piece.jump @ roots[0], piece.jump @ roots[1])
+            roots = (piece.jump @ roots[0], roots[1].moved(piece.jump))

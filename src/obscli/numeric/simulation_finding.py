@@ -84,6 +84,7 @@ class Consistency:
     t : instants, shape (k,)
     average : the average over the runs divided by its degrees of freedom: 1 is expected, shape (k,)
     lower, upper : the band that holds it with the confidence asked for, shape (k,) each
+    degrees : of freedom, those of all runs together, shape (k,)
     inside : the fraction of the instants at which it is within the band
     """
 
@@ -91,6 +92,7 @@ class Consistency:
     average: Array
     lower: Array
     upper: Array
+    degrees: Array
     inside: float
 
 

@@ -7,7 +7,8 @@ On a panel [a, b], h = b − a, the transition X(τ) = Φ(τ, b) satisfies X' = 
 at the Gauss–Legendre nodes τ_j, which gives Φ(a, b) and the rows H(τ_j) Φ(τ_j, b) of the Gramian together.
 Only the moving states' rows of X differ from those of I. Panels start no longer than the dynamics and the
 coefficients allow; one whose A X is not resolved (the estimate of its next Legendre coefficient, relative to
-the entry, exceeds rtol) is halved.
+the entry, exceeds rtol) is halved. Of a time-invariant system panels of the same length are solved once, so
+also the halves of a panel.
 
 References
 ----------
@@ -163,6 +164,12 @@ class Parents:
     largest: Array
     in_vain: Counts
 
+    def of_halves(self) -> Parents:
+        """Return what is known of the parents of all first halves, then of all second halves."""
+        return Parents(
+            np.tile(self.unresolved, 2), np.tile(self.largest, (2, 1, 1)), np.tile(self.in_vain, 2)
+        )
+
 
 def _too_many(most: int) -> str:
     return f"more than {most} steps would be needed: choose a shorter interval (--from, --to)"
@@ -215,9 +222,7 @@ class _Solver:
         parents : what is known of the panels that these are halves of
         whole : numbers, in order, of the panels that these are parts of between samples of signals, (k,)
         """
-        self._solved += len(starts)
-        if self._solved > self._effort.most_steps:
-            raise TooManyStepsError(_too_many(self._effort.most_steps))
+        self._count(len(starts))
         if parents is None and self._system.is_constant and len(starts) > 1:
             return self._alike(starts, stops)
         with np.errstate(over="ignore", invalid="ignore"):  # not finite: does not stand
@@ -240,13 +245,24 @@ class _Solver:
             return found
         if (stops - starts)[bad].min() < _SHORTEST * np.abs(stops).max():
             raise NotComputableError(not_resolved(self._system, float(starts[bad][0])))
-        middles = (starts[bad] + stops[bad]) / 2
-        fine = self.resolved(
-            np.concatenate([starts[bad], middles]),
-            np.concatenate([middles, stops[bad]]),
-            Parents(np.tile(unresolved[bad], 2), np.tile(largest[bad], (2, 1, 1)), np.tile(in_vain[bad], 2)),
-        )
+        fine = self._halved(starts[bad], stops[bad], Parents(unresolved[bad], largest[bad], in_vain[bad]))
         return _merged(found, ~bad, fine)
+
+    def _halved(self, starts: Array, stops: Array, parents: Parents) -> Panels:
+        """Return the halves of panels, resolved; where nothing varies both are alike, one is solved."""
+        middles = (starts + stops) / 2
+        if self._system.is_constant and len(starts) == 1:
+            first = self.resolved(starts, middles, parents)
+            self._count(len(first.ends))
+            return _repeated(first, stops)
+        return self.resolved(
+            np.concatenate([starts, middles]), np.concatenate([middles, stops]), parents.of_halves()
+        )
+
+    def _count(self, steps: int) -> None:
+        self._solved += steps
+        if self._solved > self._effort.most_steps:
+            raise TooManyStepsError(_too_many(self._effort.most_steps))
 
     def _alike(self, starts: Array, stops: Array) -> Panels:
         """Return the panels of a time-invariant system, those of the same length solved once."""
@@ -279,8 +295,8 @@ class _Solver:
         errors = system.coefficients(t[:, self._probed].ravel())
         A_error = errors.A_error.reshape(len(h), _PROBED, -1, n).max(axis=1)
         H_error = errors.H_error.reshape(len(h), _PROBED, -1, n).max(axis=1)
-        base = np.eye(n)[moving] - _summed(rule.backward, h[:, None, None, None] * _without(A, moving))
-        X, derivative, stands = self._iterate(A[..., moving], _without(A, moving), base, h)
+        base = np.eye(n)[moving] - summed(rule.backward, h[:, None, None, None] * without(A, moving))
+        X, derivative, stands = self._iterate(A[..., moving], without(A, moving), base, h)
         largest = np.where(stands[:, None, None], np.abs(derivative).max(axis=1), 0.0)
         tail = np.where(stands[:, None, None], _tail(derivative, rule.spectrum), np.inf)
         size, largest_X = np.abs(A).max(axis=1), np.abs(X).max(axis=1)
@@ -295,7 +311,7 @@ class _Solver:
         # sums round at random from node to node; so do coefficients where they vary
         drift = over_panel(2 * ROUNDING * size) / nodes
         drift += over_panel(A_error) / (1 if system.is_constant else nodes)
-        whole = step * _summed(rule.weights[None], derivative)[:, 0]
+        whole = step * summed(rule.weights[None], derivative)[:, 0]
         in_rows = times(H_error**2, largest_X**2, moving)
         in_rows += (H**2).max(axis=1)[..., moving] @ drift
         shares = np.sqrt(h[:, None] * rule.weights)[..., None, None]
@@ -328,7 +344,7 @@ class _Solver:
         first = _sweeps_needed(float(inner_size.sum(axis=2).max(initial=0.0)))
         stands = np.zeros(len(h), dtype=bool)
         for sweep in range(_SWEEPS):
-            before, X = X, base - _summed(self._rule.backward, inner @ X)
+            before, X = X, base - summed(self._rule.backward, inner @ X)
             if sweep < first:
                 continue
             largest = np.abs(X).max(axis=1)
@@ -371,19 +387,26 @@ def _grown(A: Array, term: Array, moving: Array, h: Array, first: int) -> Array:
 
 def times(rows: Array, X: Array, moving: Array) -> Array:
     """Return rows X, given only the moving rows of X; the others are those of I."""
-    return rows[..., moving] @ X + _without(rows, moving)
+    return rows[..., moving] @ X + without(rows, moving)
 
 
-def _without(matrix: Array, columns: Array) -> Array:
+def without(matrix: Array, columns: Array) -> Array:
+    """Return a matrix with zeros in some columns."""
     rest = matrix.copy()
     rest[..., columns] = 0
     return rest
 
 
-def _summed(weights: Array, at_nodes: Array) -> Array:
+def summed(weights: Array, at_nodes: Array) -> Array:
     """Return Σ_l weights_jl g(τ_l): (r, s) with (k, s, p, n) gives (k, r, p, n)."""
     k, s, p, n = at_nodes.shape
     return (weights @ at_nodes.reshape(k, s, p * n)).reshape(k, len(weights), p, n)
+
+
+def _repeated(once: Panels, stop: Array) -> Panels:
+    """Return panels followed by the same ones once more, which end at ``stop``."""
+    again = replace(once, ends=stop - (once.ends[-1] - once.ends))
+    return _merged(once, np.ones(len(once.ends), dtype=bool), again)
 
 
 def _merged(coarse: Panels, kept: Flags, fine: Panels) -> Panels:
@@ -404,7 +427,7 @@ def _merged(coarse: Panels, kept: Flags, fine: Panels) -> Panels:
 
 def _tail(derivative: Array, spectrum: Array) -> Array:
     """Return an estimate of the first Legendre coefficient of A X that is left out, (k, p, n)."""
-    last = np.abs(_summed(spectrum[-4:], derivative))
+    last = np.abs(summed(spectrum[-4:], derivative))
     fore, after = last[:, :2].max(axis=1), last[:, 2:].max(axis=1)
     tail: Array = after * np.minimum(after / np.maximum(fore, 1e-300), 1.0)
     return tail

@@ -57,8 +57,8 @@ class SegmentSubject(Subject):
         pieces = pieces_of(self.segments)
         first, root, opened = segment_roots(pieces, schedules_of(pieces, self.step))
         forms = self.forms(self.at)
-        prior, after, open_loop = (np.linalg.norm(forms @ one, axis=1) for one in (first, root, opened))
-        return Covariances(prior, after[None], open_loop[None], first, root)
+        prior, after = (np.linalg.norm(forms @ one, axis=1) for one in (first, root))
+        return Covariances(prior, after[None], opened.deviations(forms)[None], first, root)
 
     @cached_property
     def gramian(self) -> Gramian:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from obscli.core.document import Document
 from obscli.core.figure import Figure
 from obscli.numeric.finding import NotComputed
-from obscli.pipelines.describe.simulate import simulate_document
 from obscli.pipelines.request import Changes
 from obscli.pipelines.simulate_columns import history_columns
 from obscli.pipelines.simulate_data import history_data, simulate_data
@@ -40,6 +39,8 @@ class SimulateReport:
 
     def document(self) -> Document:
         """Return the report for a reader."""
+        from obscli.pipelines.describe.simulate import simulate_document  # noqa: PLC0415 - needs scipy
+
         return simulate_document(self.results)
 
     def figures(self) -> Iterable[Figure]:

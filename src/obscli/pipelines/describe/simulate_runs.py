@@ -1,8 +1,11 @@
 """Random runs and a mismatched filter in the report: tables, and one sentence what they say of the filter.
 
 NEES and NIS divided by their degrees of freedom are 1 on average where the filter is consistent. Their
-averages over k instants are judged: of NEES, whose values hang together in time, by the band of one instant;
-of NIS, whose innovations are independent where the filter is right, by that band over √k.
+averages over the instants are judged as χ²: of NIS, whose innovations are independent where the filter is
+right, with the degrees of freedom of all instants; of NEES, whose values hang together in time, with those of
+one instant, which is the most that such an average can spread. What is outside a narrow band is told, but a
+filter is called wrong only outside a wide one: with two measures, a right one is in 2 (1 − 0.999) of all
+series of runs at the most.
 """
 
 from __future__ import annotations
@@ -11,6 +14,8 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
+
+import numpy as np
 
 from obscli.core.document import (
     Block,
@@ -27,6 +32,7 @@ from obscli.core.document import (
 )
 from obscli.core.number import counted, short
 from obscli.core.number import plain as number
+from obscli.numeric.chi_squared import chi_squared_band
 from obscli.pipelines.describe.words import names as listed
 from obscli.pipelines.describe.words import ratio
 from obscli.pipelines.simulate_result import Demand, Mismatch
@@ -63,33 +69,51 @@ CONSISTENCY_COLUMNS: Final = (
     Column("inside", "right"),
 )
 
+#: A filter is called wrong outside the band of this probability. With two measures a right one is there at
+#: most so often, and outside a band of 95 % so often.
+REFUTED: Final = 0.999
+FALSE_ALARMS: Final = "1 of 500"
+CHANCE: Final = "1 in 10"
+
 #: Ratios this close to 1 are printed as 1.00.
 SAME: Final = 0.005
 
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """The average over all instants of a χ² measure, the band it is judged by."""
+    """The average over all instants of a χ² measure, and the band that it is to be in.
+
+    ``refuted``: it is outside a band that a right filter leaves in one of a thousand series of runs.
+    """
 
     name: str
     average: float
     lower: float
     upper: float
     inside: float
+    refuted: bool
+
+    @property
+    def side(self) -> str:
+        """Where the average is: above or below the band, or in it (empty)."""
+        return "above" if self.average > self.upper else "below" if self.average < self.lower else ""
 
 
-def judged(name: str, found: Consistency, *, independent: bool) -> Judgement:
-    """Return the average over the instants with its band, narrower by √k where they are independent."""
-    k = len(found.t)
-    narrower = math.sqrt(k) if independent else 1.0
-    lower, upper = (1 + (float(end.mean()) - 1) / narrower for end in (found.lower, found.upper))
-    return Judgement(name, float(found.average.mean()), lower, upper, found.inside)
+def judged(name: str, found: Consistency, confidence: float, *, independent: bool) -> Judgement:
+    """Return the average over the instants, weighted by degrees of freedom, with the bands of its own."""
+    average = float(found.average @ found.degrees / found.degrees.sum())
+    degrees = np.array([found.degrees.sum() if independent else found.degrees.min()])
+    (lower,), (upper,) = chi_squared_band(degrees, confidence)
+    (least,), (most,) = chi_squared_band(degrees, REFUTED)
+    return Judgement(name, average, float(lower), float(upper), found.inside, not least <= average <= most)
 
 
 def judgements(found: MonteCarlo) -> tuple[Judgement, ...]:
     """Return NEES, and NIS where something is sampled."""
-    nees = judged("NEES", found.nees, independent=False)
-    return (nees,) if found.nis is None else (nees, judged("NIS", found.nis, independent=True))
+    nees = judged("NEES", found.nees, found.confidence, independent=False)
+    if found.nis is None:
+        return (nees,)
+    return nees, judged("NIS", found.nis, found.confidence, independent=True)
 
 
 def demanded(demands: Iterable[Demand], name: str) -> tuple[Cell, Cell]:
@@ -134,7 +158,9 @@ def _band(found: MonteCarlo) -> str:
     return (
         "NEES: eᵀP⁻¹e of the errors, NIS: νᵀS⁻¹ν of the innovations, over their degrees of freedom and "
         f"averaged over runs and instants: 1 is expected, in the band with {short(100 * found.confidence)} "
-        "%; inside: instants at which the average over the runs is in its own band."
+        "%; inside: instants at which the average over the runs is in its own band. A filter is called wrong "
+        f"outside the band of {short(100 * REFUTED, 4)} %, where a right one is in at most {FALSE_ALARMS} "
+        "series of runs."
     )
 
 
@@ -148,9 +174,10 @@ def _judgement_row(one: Judgement) -> tuple[Cell, ...]:
 
 
 def _runs_verdict(told: tuple[Judgement, ...]) -> VerdictLine:
-    above = [one.name for one in told if one.average > one.upper]
-    below = [one.name for one in told if one.average < one.lower]
-    kind: Kind = "bad" if above else "open" if below else "good"
+    outside = [f"{one.name} {one.side}" for one in told if one.side]
+    above = [one.name for one in told if one.refuted and one.side == "above"]
+    below = [one.name for one in told if one.refuted and one.side == "below"]
+    kind: Kind = "bad" if above else "open" if outside else "good"
     if above and below:
         words = f"inconsistent: {' and '.join(above)} above the band, {' and '.join(below)} below"
     elif above:
@@ -158,6 +185,11 @@ def _runs_verdict(told: tuple[Judgement, ...]) -> VerdictLine:
     elif below:
         words = (
             f"pessimistic: errors are smaller than the filter claims ({' and '.join(below)} below the band)"
+        )
+    elif outside:
+        words = (
+            f"not decided: {', '.join(outside)} the band, as up to {CHANCE} right filters is; more runs tell "
+            "(--runs)"
         )
     else:
         words = "consistent: errors are as large as the filter claims"
