@@ -496,7 +496,7 @@ def test_the_bundled_model_has_the_matrices_of_the_theory(flights, bundled, monk
         moved["roll"] = 0.0
 
         class Held:
-            rate, error = 0.0, 0.0
+            rate, error, signals = 0.0, 0.0, None
 
             def __init__(self, *_args):
                 pass
