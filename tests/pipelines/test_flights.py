@@ -150,3 +150,28 @@ def test_all_states_are_observable_soon(case):
     assert set(segments.local_rank.tolist()) == {12}
     assert (segments.total_rank[-1], segments.stripped_rank[-1]) == (15, 15)
     assert segments.since.max() < 9.5
+
+
+def test_a_log_of_ones_own_fits_the_model_of_the_page(tmp_path):
+    """A drive round a bend; the columns are those that docs/windows.md shows."""
+    page = (Path(__file__).parents[2] / "docs/windows.md").read_text(encoding="utf-8")
+    header = page.split("```csv\n")[1].split("\n")[0]
+    t = np.arange(0, 30.01, 0.2)
+    yaw, speed = np.where(t < 15, 0, 0.2 * (t - 15)), 10 + 2 * np.sin(0.3 * t)
+    record = {
+        "time_ms": 1000 * t + 5000, "ax": 0.6 * np.cos(0.3 * t), "ay": np.where(t < 15, 0, 0.2 * speed),
+        "az": -9.81 + 0 * t, "roll": 0 * t, "pitch": 0 * t, "yaw": np.degrees(yaw) % 360, "vn": speed * np.cos(yaw),
+        "ve": speed * np.sin(yaw), "vd": 0 * t, "lat": 47.37 + 0 * t, "lon": 8.54 + 0 * t, "height": 410 + 0 * t,
+    }  # fmt: skip
+    rows = np.column_stack([record[name] for name in header.split(",")])
+    np.savetxt(tmp_path / "log.csv", rows, delimiter=",", header=header, comments="", fmt="%.10g")
+    (tmp_path / "log.yaml").write_text(page.split("```yaml\n")[1].split("```")[0], encoding="utf-8")
+    request = WindowsRequest(2, 0.2, show=("phi", "heading_error"))
+    [result] = windows(load(tmp_path / "log.yaml"), request=request).results
+    found = result.found
+    assert [found.names[k] for k in found.shown] == ["phi_N", "phi_E", "phi_D", "heading_error"]
+    assert set(found.values.rank.tolist()) == {12}
+    assert found.segments.total_rank[-1] == 15
+    gain = 1 - found.values.posterior[:, found.names.index("heading_error")]
+    straight, bend = (found.values.t > 3) & (found.values.t < 6), found.values.t > 20
+    assert gain[bend].min() > 10 * gain[straight].max()
