@@ -57,7 +57,7 @@ def scalar(text: str) -> str:
 
 
 def formula(expression: Expression) -> str:
-    """Return an expression, terminating decimals as such, equal names multiplied as a power, as it is read back."""
+    """Return an expression, terminating decimals as such; v*v as v**2, as it is read back."""
     return scalar(to_text(with_decimals(_with_powers(expression))))
 
 
