@@ -308,6 +308,19 @@ def test_an_interrupt_keeps_what_is_done(obscli, files, monkeypatch):
     assert "random runs" not in outcome.out
 
 
+def test_deviations_of_several_stages_come_into_one_figure(obscli, tmp_path):
+    text = (
+        "states: {v: {}, b: {}}\nA: [[0, 1], [0, 0]]\nH: [[1, 0]]\nquantities: {sum: v + b}\n"
+        "noise: {R: [1], step: 1, P0_std: [1, 1]}\ninterval: {stop: 9}\n"
+        "stages: {good: {}, poor: {noise: {R: [9]}}}\n"
+    )
+    (tmp_path / "m.yaml").write_text(text)
+    found = obscli("simulate", tmp_path / "m.yaml", "--plot", tmp_path / "f")
+    assert found.status == 0, found.err
+    names = {one.stem for one in (tmp_path / "f").glob("*.svg")}
+    assert {"m-deviations-of-quantities", "m-deviations-of-states"} <= names
+
+
 def test_figures_of_every_part(obscli, files):
     outcome = obscli(
         "simulate", "reduced.yaml", "--filter", "reduced.yaml", "--to", 50, "--runs", 5, "--plot", "f"

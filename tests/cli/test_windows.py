@@ -168,6 +168,31 @@ def test_figures(windows, tmp_path):
     assert {"model-window-equivalent-singular-value.svg", "model-window-posterior-ratio.svg"} <= names
 
 
+def test_only_what_is_asked_for_is_shown(windows, data, tmp_path):
+    _, out, _ = windows(TURNING, "--window", "1", "--show", "both,c", "--plot", str(tmp_path / "figures"))
+    first = {line.split()[0] for line in out.splitlines() if line.startswith("  ")}
+    assert {"both", "c"} <= first
+    assert not {"a", "b"} & first
+    assert set(data(TURNING, "--window", "1", "--show", "c")["windows"][0]["states"]) == {"a", "b", "c"}
+
+
+def test_figures_of_several_stages_together(windows, tmp_path):
+    text = TURNING + "stages: {slow: {}, quick: {noise: {R: [1, 2], step: 0.1, P0_std: [1, 1, 1]}}}\n"
+    status, _, err = windows(text, "--window", "1", "--show", "both,c", "--plot", str(tmp_path / "figures"))
+    assert status == 0, err
+    drawn = {one.stem: one for one in (tmp_path / "figures").glob("*.svg")}
+    together = {f"model-window-{key}-{group}" for key in ("equivalent-singular-value", "posterior-ratio")
+                for group in ("quantities", "states")}  # fmt: skip
+    assert together <= set(drawn)
+    alone = {f"model_{stage}-window-posterior-ratio" for stage in ("slow", "quick")}
+    assert alone <= set(drawn)
+
+
+def test_one_stage_is_not_compared(windows, tmp_path):
+    windows(TURNING, "--window", "1", "--plot", str(tmp_path / "figures"))
+    assert len(list((tmp_path / "figures").glob("*.svg"))) == 2
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -180,6 +205,8 @@ def test_figures(windows, tmp_path):
         (["--true"], "--true is about windows"),
         (["--mu", "abs"], "--mu is about windows"),
         (["--advice"], "--advice is about windows"),
+        (["--show", "a"], "--show is about windows"),
+        (["--window", "1", "--show", "a,z"], "--show z: no state, vector or quantity of that name"),
         (["--window", "1", "--scaling", "scale"], "missing for a, b, c"),
     ],
 )

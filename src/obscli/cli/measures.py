@@ -30,6 +30,7 @@ from obscli.cli.window_options import (
     AdviceOption,
     FrozenOption,
     MuOption,
+    ShowOption,
     StackOption,
     WindowOption,
     refuse_with_window,
@@ -107,6 +108,7 @@ def measures(  # noqa: PLR0913 - one parameter an option
     frozen: FrozenOption = True,
     mu: MuOption = "squared",
     advice: AdviceOption = False,
+    show: ShowOption = None,
     plot: PlotOption = None,
     details: Annotated[
         bool, typer.Option("--details", help="Show the directions that belong to singular values and modes.")
@@ -131,9 +133,9 @@ def measures(  # noqa: PLR0913 - one parameter an option
     if window is not None:
         refuse_with_window(at=at, times=times, select=select, option=option, threshold=threshold)
         looked = windows_request(window, step, stack, mu, scaling, frozen=frozen, advice=advice)
-        request = replace(looked, stages=tuple(stage or ()), numeric=numeric)
+        request = replace(looked, stages=tuple(stage or ()), numeric=numeric, show=names(show))
     else:
-        refuse_without_window(stack=stack, frozen=frozen, mu=mu, advice=advice)
+        refuse_without_window(stack=stack, frozen=frozen, mu=mu, advice=advice, show=bool(show))
         request = MeasuresRequest(
             stages=tuple(stage or ()),
             at=_instants(at, times),

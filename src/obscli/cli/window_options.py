@@ -66,6 +66,14 @@ AdviceOption: TypeAlias = Annotated[
     bool,
     typer.Option("--advice", help="With --window: find, exactly, which motion the states need."),
 ]
+ShowOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--show",
+        metavar="NAME,…",
+        help="With --window: tables and figures of these states, vectors and quantities only (repeatable).",
+    ),
+]
 
 
 def refuse_with_window(**options: object) -> None:
@@ -77,13 +85,14 @@ def refuse_with_window(**options: object) -> None:
         )
 
 
-def refuse_without_window(*, stack: str, frozen: bool, mu: str, advice: bool) -> None:
+def refuse_without_window(*, stack: str, frozen: bool, mu: str, advice: bool, show: bool) -> None:
     """Refuse options that mean nothing without windows."""
     changed = {
         "--stack": stack != STACKS[0],
         "--true": not frozen,
         "--mu": mu != WEIGHTS[0],
         "--advice": advice,
+        "--show": show,
     }
     given = [name for name, value in changed.items() if value]
     if given:

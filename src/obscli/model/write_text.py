@@ -8,11 +8,22 @@ from __future__ import annotations
 
 import re
 import textwrap
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from obscli.model.expression import Expression, Number, Symbol, children, negate, postorder, rebuild
+from obscli.model.expression import (
+    Expression,
+    Number,
+    Product,
+    Symbol,
+    children,
+    negate,
+    postorder,
+    power,
+    rebuild,
+)
 from obscli.model.notation import to_text
 
 
@@ -46,8 +57,30 @@ def scalar(text: str) -> str:
 
 
 def formula(expression: Expression) -> str:
-    """Return an expression, terminating decimals as such."""
-    return scalar(to_text(with_decimals(expression)))
+    """Return an expression, terminating decimals as such; v*v as v**2, as it is read back."""
+    return scalar(to_text(with_decimals(_with_powers(expression))))
+
+
+def _with_powers(expression: Expression) -> Expression:
+    written: dict[int, Expression] = {}
+    for node in postorder(expression):
+        parts = tuple(written[id(part)] for part in children(node))
+        if isinstance(node, Product):
+            parts = _gathered(parts)
+        written[id(node)] = rebuild(node, parts) if parts else node
+    return written[id(expression)]
+
+
+def _gathered(factors: tuple[Expression, ...]) -> tuple[Expression, ...]:
+    """Return the factors with a name that stands there several times as a power, in its first place."""
+    count = Counter(one.name for one in factors if isinstance(one, Symbol))
+    found: list[Expression] = []
+    for one in factors:
+        if not isinstance(one, Symbol):
+            found.append(one)
+        elif one.name in count:
+            found.append(power(one, count.pop(one.name)))
+    return tuple(found)
 
 
 def with_decimals(expression: Expression) -> Expression:

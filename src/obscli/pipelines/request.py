@@ -179,7 +179,8 @@ class WindowsRequest:
     ``length``: of a window; ``step``: between windows, and between samples where the file does not say;
     ``stack``: samples of the outputs, or derivatives at the start; ``frozen``: A and H keep the values of the
     start; ``weights``: of the singular values; ``scaling``: None: the prior's, else the file's sizes, else
-    none; ``kept``: so many windows at the most are reported; ``advice``: find which motion the states need.
+    none; ``kept``: so many windows at the most are reported; ``advice``: find which motion the states need;
+    ``show``: states, vectors and quantities that tables and figures are about (empty: all).
     """
 
     length: float
@@ -192,6 +193,7 @@ class WindowsRequest:
     numeric: NumericRequest = NumericRequest()
     kept: int = 20_000
     advice: bool = False
+    show: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -77,6 +77,8 @@ def windows_of(
 
 def _found(system: System, request: WindowsRequest, progress: Progress) -> Windows:
     horizon = horizon_of(system, settings_of(system, request.numeric).wanted)
+    names = (*system.state_names, *(one.name for one in system.quantities))
+    shown = _shown(system, names, request.show)
     numeric = NumericSystem(system, horizon.start, horizon.stop)
     settings = WindowSettings(request.length, request.step, request.stack, request.frozen, request.weights)
     sampling = sampling_of(numeric, settings, horizon.start, horizon.stop)
@@ -84,7 +86,6 @@ def _found(system: System, request: WindowsRequest, progress: Progress) -> Windo
     every = -(-sampling.windows // request.kept)
     series = window_series(numeric, sampling, settings, scaling)
     values = joined(list(_kept(series, sampling.windows, every, progress)))
-    names = (*system.state_names, *(one.name for one in system.quantities))
     progress("piecewise constant segments")
     segments = _segments(numeric, horizon, request.length, scaling)
     return Windows(
@@ -92,12 +93,26 @@ def _found(system: System, request: WindowsRequest, progress: Progress) -> Windo
         sampling=sampling,
         scaling=scaling,
         names=names,
+        shown=shown,
         values=values,
         every=every,
         segments=segments,
         gains=gains_of(names, values),
         warnings=tuple(warnings_of(request, system, names, values, scaling, segments)),
     )
+
+
+def _shown(system: System, names: tuple[str, ...], asked: tuple[str, ...]) -> tuple[int, ...]:
+    """Return the places of the states and quantities asked for; a vector stands for its components."""
+    vectors = {state.vector for state in system.states if state.vector}
+    unknown = [name for name in asked if name not in {*names, *vectors}]
+    if unknown:
+        raise UnfitRequestError(f"--show {unknown[0]}: no state, vector or quantity of that name")
+    if not asked:
+        return tuple(range(len(names)))
+    chosen = [state.vector in asked or state.name in asked for state in system.states]
+    chosen += [one.name in asked for one in system.quantities]
+    return tuple(k for k, one in enumerate(chosen) if one)
 
 
 def _kept(

@@ -42,6 +42,7 @@ class Windows:
     Parameters
     ----------
     names : of the linear forms in order: states, quantities
+    shown : which of them tables and figures are about
     values : of the windows kept, every ``every``-th
     segments : the interval as piecewise constant; or why not
     gains : by state and quantity
@@ -52,6 +53,7 @@ class Windows:
     sampling: Sampling
     scaling: WindowScaling
     names: tuple[str, ...]
+    shown: tuple[int, ...]
     values: WindowValues
     every: int
     segments: PiecewiseConstant | NotComputed

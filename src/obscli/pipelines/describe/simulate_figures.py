@@ -33,7 +33,8 @@ LONGEST: Final = 70
 
 
 def simulate_figures(results: Iterable[SimulateResult]) -> Iterator[Figure]:
-    """Yield the figures of every stage that was simulated."""
+    """Yield the figures of every stage that was simulated, then the deviations of several stages together."""
+    results = tuple(results)
     for result in results:
         found = result.found
         if isinstance(found, NotComputed):
@@ -44,6 +45,29 @@ def simulate_figures(results: Iterable[SimulateResult]) -> Iterator[Figure]:
             yield from _mismatch(result.title, time, found.mismatch)
         if found.monte_carlo is not None:
             yield _consistency(result.title, time, found.monte_carlo)
+    yield from _together([(one, one.found) for one in results if not isinstance(one.found, NotComputed)])
+
+
+def _together(drawn: Sequence[tuple[SimulateResult, Simulation]]) -> Iterator[Figure]:
+    """Yield a panel for every quantity and state, with a curve for every stage that has it."""
+    if len(drawn) < 2:
+        return
+    first, found = drawn[0]
+    for kind, name in (("quantity", "quantities"), ("state", "states")):
+        forms = [form for form in found.forms if form.kind == kind]
+        panels = [_compared(drawn, form) for form in forms]
+        file, title = f"{first.model.name}-deviations-of-{name}", f"{first.model.name}: standard deviations"
+        yield from _figures(file, f"{title} in each stage", first.system.time, panels)
+
+
+def _compared(drawn: Sequence[tuple[SimulateResult, Simulation]], form: FollowedForm) -> Panel:
+    curves: list[Curve] = []
+    for result, found in drawn:
+        history, label = found.history, result.system.stage or result.model.name
+        if form.name in history.names:
+            values = history.deviations[:, history.names.index(form.name)]
+            curves += _curve(label, history.t, values, "main")
+    return Panel(form.name, _label(form.unit), tuple(curves), logarithmic=_varies(curves))
 
 
 def _deviations(result: SimulateResult, found: Simulation) -> Iterator[Figure]:

@@ -75,7 +75,8 @@ def _stage(result: WindowsResult) -> Iterator[Block]:
         yield from _segments(result, found)
     if result.needs is not None:
         names = (*result.system.state_names, *(one.name for one in result.system.quantities))
-        yield from _needs(result.needs, names)
+        shown = names if isinstance(found, NotComputed) else [names[k] for k in found.shown]
+        yield from _needs(result.needs, names, shown)
 
 
 def _setting(result: WindowsResult, found: Windows) -> str:
@@ -124,8 +125,8 @@ def _states(found: Windows) -> Iterator[Block]:
     titles = ["σ̃ least", "σ̃ median", "σ̃ largest", "‖Re‖ median", "d median"]
     titles += ["p median", "p best", "at"] if informed else []
     yield Heading(2, plain("States and quantities"))
-    rows = tuple(_row(found, k, informed=informed) for k in range(len(found.names)))
-    hidden = bool((values.residual == 0).all(axis=0).any())
+    rows = tuple(_row(found, k, informed=informed) for k in found.shown)
+    hidden = bool((values.residual[:, list(found.shown)] == 0).all(axis=0).any())
     columns = (Column(""), *(Column(title, "right") for title in titles))
     yield Table(columns, rows, (Text(LEGEND, "faint"),) if hidden else (), folds=True)
 
@@ -152,7 +153,8 @@ def _number(value: Array | float) -> Cell:
 def _gains(result: WindowsResult, found: Windows) -> Iterator[Block]:
     yield Heading(2, plain("Which part of the interval states gain from"))
     judged = "1 − p" if found.gains[0].key == "posterior-ratio" else "σ̃"
-    rows = tuple((line(Text(one.target, "name")), line(Text(_gain(one)))) for one in found.gains)
+    shown = [found.gains[k] for k in found.shown]
+    rows = tuple((line(Text(one.target, "name")), line(Text(_gain(one)))) for one in shown)
     caption = f"Windows that start there do at least half as well as the best, by {judged}."
     yield Table((Column(""), Column(f"{result.system.time} from … to", breaks=True)), rows, plain(caption))
 
@@ -201,8 +203,9 @@ def _segments(result: WindowsResult, found: Windows) -> Iterator[Block]:
 def _since(found: Windows, segments: PiecewiseConstant) -> Iterator[tuple[Cell, Cell]]:
     """Yield the linear forms of the start by the end of the segment that makes them observable."""
     by_time: dict[float, list[str]] = {}
-    never = [name for name, t in zip(found.names, segments.since, strict=True) if np.isnan(t)]
-    for name, t in zip(found.names, segments.since.tolist(), strict=True):
+    since = [(found.names[k], float(segments.since[k])) for k in found.shown]
+    never = [name for name, t in since if np.isnan(t)]
+    for name, t in since:
         if name not in never:
             by_time.setdefault(t, []).append(name)
     for t, names in sorted(by_time.items()):
@@ -211,7 +214,7 @@ def _since(found: Windows, segments: PiecewiseConstant) -> Iterator[tuple[Cell, 
         yield line(Text("never")), line(Text(", ".join(never), "name"))
 
 
-def _needs(needs: MotionNeeds, names: Sequence[str]) -> Iterator[Block]:
+def _needs(needs: MotionNeeds, names: Sequence[str], shown: Sequence[str]) -> Iterator[Block]:
     yield Heading(2, plain("Motion that the states need"))
     if needs.reason:
         yield Paragraph(plain(f"Not found: {needs.reason}."))
@@ -219,9 +222,10 @@ def _needs(needs: MotionNeeds, names: Sequence[str]) -> Iterator[Block]:
     by_target: dict[str, list[str]] = {}
     for one in sorted(needs.needs, key=lambda one: names.index(one.target)):
         how = "different from zero" if one.kind == "zero" else "varying"
-        by_target.setdefault(one.target, []).append(f"{_either(one.functions)} {how}")
+        if one.target in shown:
+            by_target.setdefault(one.target, []).append(f"{_either(one.functions)} {how}")
     if not by_target:
-        yield Paragraph(plain("No set of up to three functions is needed by any state: others do."))
+        yield Paragraph(plain("No set of up to three functions is needed by any of them: others do."))
     for target, texts in by_target.items():
         yield Paragraph((Text(target, "name"), Text(f" needs {'; '.join(texts)}")))
     cut = "; more were not tried" if needs.cut else ""
