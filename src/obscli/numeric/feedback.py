@@ -1,4 +1,4 @@
-"""Feedback of a filter's estimates: what is estimated is corrected in the system, and the estimate set to zero.
+"""Feedback of a filter's estimates: the system is corrected by an estimate, which is then set to zero.
 
     x ← x − Eᵀ M x̂,    x̂ ← (I − M) x̂,    M = diag(0 or 1)
 

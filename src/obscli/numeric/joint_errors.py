@@ -7,8 +7,8 @@ state that the truth does not have is zero there). On a panel from a, z = x(a), 
     ν = D z + B ε + W v,    B = W H_f Φ_f,    D = W H Φ − B E,    W Cov(v) Wᵀ = I where the filter is right
     ε⁺ = ε − K ν
 
-D and E Φ − Φ_f E are zero for equal models: e is then the error of the ordinary filter. Where estimates are fed
-back, see ``feedback``, that follows the sample.
+D and E Φ − Φ_f E are zero for equal models: e is then the error of the ordinary filter. Where estimates are
+fed back, see ``feedback``, that follows the sample.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
     e(t₀) = e₀,    e⁺ = (I − K H) e⁻,    e⁻ = Φ e⁺ of the sample before
 
-A filter designed on another model is followed together with the true states, see ``joint_errors``: these start
-at e₀, the estimate at zero. The response is linear in e₀.
+A filter designed on another model is followed together with the true states, see ``joint_errors``: these
+start at e₀, the estimate at zero. The response is linear in e₀.
 """
 
 from __future__ import annotations

@@ -44,6 +44,7 @@ def mismatch_history(  # noqa: PLR0913 - two systems, and what is kept of them
     forms: Forms,
     recorded: int = 500,
     progress: Progress = silent,
+    *,
     feedback: Feedback | None = None,
 ) -> MismatchHistory:
     """Return the claimed and the true deviations of forms in the filter's states.
