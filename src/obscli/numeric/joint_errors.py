@@ -178,8 +178,7 @@ class Pair:
             where the covariance is beyond all numbers
         """
         root = self.design.prior
-        both = zip(self.truth.stretches(timeline), self.design.stretches(timeline), strict=True)
-        for true, own in both:
+        for true, own in self._stretches(timeline):
             part = slice(own.first, own.first + len(own.rows))
             progress(timeline.progress(part.start))
             outputs = self._outputs_of(true, own, timeline.sample[part])
@@ -196,6 +195,13 @@ class Pair:
                     yield Known(own.first + k, root, own.transition[k], to_errors, innovation)
             root = own.onward @ root
             errors.move(self._onward(true, own))
+
+    def _stretches(self, timeline: Timeline) -> Iterator[tuple[Stretch, Stretch]]:
+        """Yield the panels of both, of one that is both once."""
+        if self.truth is self.design:
+            yield from ((one, one) for one in self.truth.stretches(timeline))
+        else:
+            yield from zip(self.truth.stretches(timeline), self.design.stretches(timeline), strict=True)
 
     def _feed_back(self, true_part: Array, own_part: Array, root: Array, errors: Errors) -> None:
         """Feed back the estimates at an instant of a panel, those that are to be."""

@@ -91,7 +91,8 @@ def _has_segments(model: Model, request: SimulateRequest, design: Model | None) 
     if request.segments and stages_alone:
         raise RequestError(
             "--segments has the durations of the file and all of its stages, and no errors but the "
-            "covariance: leave out --stage, --from, --to, --filter, --runs, --initial, --correction, --feedback"
+            "covariance: leave out --stage, --from, --to, --filter, --runs, --initial, --correction, "
+            "--feedback"
         )
     if request.segments and model.segments is None:
         raise RequestError(f"{model.file}: there are no `segments`")
