@@ -136,7 +136,8 @@ class _Stage:
     def simulated(self, design: Model | None, other: System | None) -> SimulateResult:
         """Return what is found, or what is lacking; an interrupt keeps what is done."""
         try:
-            found = self._filtered()
+            feedback = feedback_of(other or self._system, self._system, self._request.feedback)
+            found = replace(self._filtered(), feedback=feedback)
             interrupted = False
             try:
                 if found.history.complete and design is not None and other is not None:
@@ -190,14 +191,12 @@ class _Stage:
             unsaid=unsaid,
             sampled=motion.names if motion else (),
             recorded=system.sampled,
-            feedback=feedback_of(system, system, self._request.feedback),
         )
 
     def _mismatched(self, found: Simulation, design: Model, other: System) -> Simulation:
         """Return the simulation with the true covariance of a filter designed on another system."""
         _refuse_lacking(other, f"{design.file}: ")
         self._progress("the filter on the truth")
-        feedback = feedback_of(other, self._system, self._request.feedback)
         horizon = self._horizon(self._system)
         history = mismatch_history(
             self._system,
@@ -207,7 +206,7 @@ class _Stage:
             forms_of(other),
             self._request.recorded,
             self._progress,
-            feedback=feedback,
+            feedback=found.feedback,
         )
         if not len(history.t):
             raise KeyboardInterrupt
@@ -215,7 +214,7 @@ class _Stage:
         demands = tuple(
             Demand(one.name, one.limit, float(end[one.name])) for one in found.demands if one.name in end
         )
-        return replace(found, mismatch=Mismatch(design, other, history, demands), feedback=feedback)
+        return replace(found, mismatch=Mismatch(design, other, history, demands))
 
     def _forms(self, found: Simulation, other: System | None) -> Forms:
         """Return what is followed of the filter."""
