@@ -30,7 +30,7 @@ PAGES = {
     "docs/measures.md": 3,
     "docs/reducible.md": 2,
     "docs/windows.md": 2,
-    "docs/simulation.md": 4,
+    "docs/simulation.md": 5,
 }
 CONSOLE = re.compile(r"```console\n(.*?)```", re.DOTALL)
 PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)

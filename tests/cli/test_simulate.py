@@ -354,7 +354,8 @@ def keys(value, named):
 
 def test_every_field_of_the_json_is_explained(simulated):
     page = (Path(__file__).parents[2] / "docs/simulation.md").read_text(encoding="utf-8")
-    [stage] = simulated("channel.yaml", "--filter", "reduced.yaml", "--runs", 2)
+    arguments = ("--runs", 2, "--initial", "V=1", "--correction", "feedback")
+    [stage] = simulated("channel.yaml", "--filter", "reduced.yaml", *arguments)
     found = stage["simulate"]
     named = {name for one in found["forms"] for name in (one["name"], *one["coefficients"])}
 

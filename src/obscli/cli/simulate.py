@@ -29,7 +29,7 @@ from obscli.cli.options import (
     ToOption,
     WithoutOption,
 )
-from obscli.cli.texts import names, pairs
+from obscli.cli.texts import assignments, names, pairs
 
 
 def simulate(  # noqa: PLR0913 - one parameter an option
@@ -67,6 +67,32 @@ def simulate(  # noqa: PLR0913 - one parameter an option
             show_default=False,
         ),
     ] = None,
+    initial: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--initial",
+            metavar="STATE=EXPRESSION,…",
+            help="An error at the start: the mean response of the filter to it, without noise (repeatable).",
+        ),
+    ] = None,
+    correction: Annotated[
+        str | None,
+        typer.Option(
+            "--correction",
+            metavar="output|feedback",
+            help="Correct the output by the estimate, or feed it back after each sample and start from zero.",
+            show_default="output",
+        ),
+    ] = None,
+    feedback: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--feedback",
+            metavar="STATE,…",
+            help="Feed back the estimates of these states or vectors only; sigma<C: only while their "
+            "deviation is below C of its prior.",
+        ),
+    ] = None,
     fraction: FractionOption = 0.1,
     history: HistoryOption = None,
     plot: PlotOption = None,
@@ -95,6 +121,8 @@ def simulate(  # noqa: PLR0913 - one parameter an option
         seed=seed,
         fraction=fraction,
         segments=segments,
+        initial=tuple(assignments("--initial", initial).items()),
+        feedback=_feedback(correction, feedback),
         numeric=NumericRequest(start=start, stop=stop),
     )
     with refusals(), ProgressLine() as progress:
@@ -110,6 +138,23 @@ def simulate(  # noqa: PLR0913 - one parameter an option
     if report.failed:
         return ExitCode.FAILED
     return ExitCode.UNDECIDED if strict and report.undecided else ExitCode.DONE
+
+
+def _feedback(correction: str | None, given: list[str] | None) -> tuple[str, ...] | None:
+    """Return what is to be fed back, None: nothing.
+
+    Raises
+    ------
+    CommandError
+        where states are named though nothing is to be fed back, or the correction is neither
+    """
+    if correction not in (None, "output", "feedback"):
+        raise CommandError(f"--correction {correction}: expected output or feedback")
+    if given is not None and correction == "output":
+        raise CommandError("--feedback with --correction output, which feeds nothing back; leave one out")
+    if given is None and correction != "feedback":
+        return None
+    return names(given)
 
 
 def _truth(model: Path | None, truth: Path | None, design: Path | None) -> Path:

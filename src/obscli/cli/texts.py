@@ -20,6 +20,22 @@ def pairs(option: str, given: Sequence[str] | None) -> dict[str, str]:
     return found
 
 
+def assignments(option: str, given: Sequence[str] | None) -> dict[str, str]:
+    """Return {name: value} of comma-separated lists of ``name=value``; commas within brackets are values'."""
+    return pairs(option, [one for text in given or () for one in _split(text)])
+
+
+def _split(text: str) -> list[str]:
+    found, depth = [""], 0
+    for letter in text:
+        depth += (letter in "([") - (letter in ")]")
+        if letter == "," and not depth:
+            found.append("")
+        else:
+            found[-1] += letter
+    return [one for one in found if one.strip()]
+
+
 def names(given: Sequence[str] | None) -> tuple[str, ...]:
     """Return the names in one or more comma-separated lists."""
     return tuple(name.strip() for text in given or () for name in text.split(",") if name.strip())

@@ -8,7 +8,8 @@ state that the truth does not have is zero there). On a panel from a, z = x(a), 
     ε⁺ = ε − K ν
 
 D and E Φ − Φ_f E are zero for equal models: e is then the error of the ordinary filter, and z, which may grow
-without bound where e does not, is left out (n_x = 0).
+without bound where e does not, is left out (n_x = 0). Where estimates are fed back, see ``feedback``, that
+follows the sample; it changes nothing for equal models.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from typing import Final, Protocol
 import numpy as np
 
 from obscli.numeric.errors import NotComputableError
+from obscli.numeric.feedback import Feedback, fed_back
 from obscli.numeric.program import Array, Counts, Flags
 from obscli.numeric.progress import Progress
 from obscli.numeric.sampled_system import SampledSystem, Stretch, Timeline
@@ -49,7 +51,7 @@ class Errors(Protocol):
         """Take a sample: ν = rows (z, ε) + noise v, ε ← ε − gain ν; return ν of draws, (m, c)."""
 
     def move(self, transition: Array) -> None:
-        """Go on to the next panel."""
+        """Take (z, ε) to the next panel, or to what is after a feedback."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,17 +96,22 @@ class _Outputs:
 class Pair:
     """A true system and the filter designed on another, or on itself; states and outputs matched by name.
 
+    ``feedback``: what is fed back after each sample; None: nothing, output correction.
+
     Raises
     ------
     NotComputableError
-        where an output of the filter is not one of the truth
+        where an output of the filter is not one of the truth, or a state to be fed back not one of both
     """
 
-    def __init__(self, truth: SampledSystem, design: SampledSystem) -> None:
+    def __init__(self, truth: SampledSystem, design: SampledSystem, feedback: Feedback | None = None) -> None:
         self.truth = truth
         self.design = design
         self.own = truth is design
-        self.common = _among(design.numeric.system.state_names, truth.numeric.system.state_names)
+        states = (design.numeric.system.state_names, truth.numeric.system.state_names)
+        self.common = _among(*states)
+        self._feedback = feedback
+        self._allowed = None if feedback is None else feedback.allowed(*states)
         self._check_time()
         names = [[one.name for one in system.numeric.system.outputs] for system in (design, truth)]
         self._outputs = _among(*names)
@@ -121,14 +128,14 @@ class Pair:
     @property
     def prior(self) -> Array:
         """A square root of the covariance of (z, ε) before the first sample, where x̂ = 0."""
-        return self._joint(self.truth.prior)
+        return self.joint(self.truth.prior)
 
     @property
     def states(self) -> int:
         """How many true states are followed beside the errors, n_x."""
         return 0 if self.own else self.truth.numeric.n
 
-    def _joint(self, root: Array) -> Array:
+    def joint(self, root: Array) -> Array:
         """Return what enters (z, ε) where ``root`` enters z."""
         return root if self.own else np.concatenate([root, self.common @ root])
 
@@ -187,9 +194,11 @@ class Pair:
             outputs = self._outputs_of(true, own, timeline.sample[part])
             for k in range(len(own.rows)):
                 if true.noise is not None:
-                    errors.add(self._joint(true.noise[k]))
+                    errors.add(self.joint(true.noise[k]))
                 entered = None if own.noise is None else own.noise[k]
                 root, innovation = outputs.taken(k, root, entered, errors)
+                if outputs.sampled[k]:
+                    self._feed_back(true.transition[k], own.transition[k], root, errors)
                 if marks[own.first + k]:
                     refuse_infinite(timeline.t[own.first + k], root, errors.columns)
                     to_errors = self._to_errors(true, own, k)
@@ -202,6 +211,17 @@ class Pair:
         if self.own:
             return ((one, one) for one in self.design.stretches(timeline))
         return zip(self.truth.stretches(timeline), self.design.stretches(timeline), strict=True)
+
+    def _feed_back(self, true_part: Array, own_part: Array, root: Array, errors: Errors) -> None:
+        """Feed back the estimates at an instant of a panel, those that are to be."""
+        taken, feedback = self._allowed, self._feedback
+        if taken is None or feedback is None or self.own:
+            return
+        if feedback.below is not None:
+            deviations = np.linalg.norm(own_part @ root, axis=1)
+            taken = taken & (deviations < feedback.below * np.linalg.norm(self.design.prior, axis=1))
+        if taken.any():
+            errors.move(fed_back(self.common, true_part, own_part, taken))
 
     def _outputs_of(self, true: Stretch, own: Stretch, sample: Counts) -> _Outputs:
         whitening = self.design.whitening(sample)

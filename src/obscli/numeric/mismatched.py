@@ -20,6 +20,7 @@ from typing import Final
 import numpy as np
 
 from obscli.model.system import System
+from obscli.numeric.feedback import Feedback
 from obscli.numeric.joint_errors import Pair
 from obscli.numeric.linear_forms import Forms
 from obscli.numeric.program import Array
@@ -35,7 +36,7 @@ _GATHERED: Final = 4
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what is not finite is refused
-def mismatch_history(
+def mismatch_history(  # noqa: PLR0913 - two systems, and what is kept of them
     truth: System,
     filter_: System,
     truth_schedule: Schedule,
@@ -43,6 +44,8 @@ def mismatch_history(
     forms: Forms,
     recorded: int = 500,
     progress: Progress = silent,
+    *,
+    feedback: Feedback | None = None,
 ) -> MismatchHistory:
     """Return the claimed and the true deviations of forms in the filter's states.
 
@@ -51,6 +54,7 @@ def mismatch_history(
     forms : of the filter; a state that the truth does not have is zero there
     recorded : at how many instants at the most
     progress : told where the filter is; an interrupt keeps what is done
+    feedback : what is fed back after each sample; None: nothing, output correction
 
     Raises
     ------
@@ -58,7 +62,7 @@ def mismatch_history(
         where a state has no P0, the filter takes samples that the truth does not have, or a system cannot be
         integrated
     """
-    pair = Pair(SampledSystem(truth, truth_schedule), SampledSystem(filter_, filter_schedule))
+    pair = Pair(SampledSystem(truth, truth_schedule), SampledSystem(filter_, filter_schedule), feedback)
     timeline = timeline_of([pair.truth, pair.design], filter_schedule)
     marks = timeline.marks(recorded)
     t = timeline.t[marks]

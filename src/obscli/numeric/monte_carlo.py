@@ -24,6 +24,7 @@ import numpy as np
 from obscli.model.system import System
 from obscli.numeric.chi_squared import chi_squared_band
 from obscli.numeric.errors import NotComputableError
+from obscli.numeric.feedback import Feedback
 from obscli.numeric.joint_errors import Known, Pair
 from obscli.numeric.linear_forms import Forms
 from obscli.numeric.program import Array
@@ -62,6 +63,7 @@ def monte_carlo(  # noqa: PLR0913 - the system, the runs, and what is kept of th
     *,
     filter_: System | None = None,
     filter_schedule: Schedule | None = None,
+    feedback: Feedback | None = None,
 ) -> MonteCarlo:
     """Return how the errors of a filter on ``system`` spread, one of its own model or of ``filter_``.
 
@@ -73,6 +75,7 @@ def monte_carlo(  # noqa: PLR0913 - the system, the runs, and what is kept of th
     recorded : at how many instants at the most
     progress : told where the runs are; an interrupt keeps what is done
     filter_, filter_schedule : what the filter was designed on, where that is not the truth
+    feedback : what is fed back after each sample; None: nothing, output correction
 
     Raises
     ------
@@ -83,7 +86,7 @@ def monte_carlo(  # noqa: PLR0913 - the system, the runs, and what is kept of th
         raise NotComputableError(f"{runs} runs: at least one is needed (--runs)")
     truth = SampledSystem(system, schedule)
     design = truth if filter_ is None else SampledSystem(filter_, filter_schedule or schedule)
-    pair = Pair(truth, design)
+    pair = Pair(truth, design, feedback)
     timeline = timeline_of([truth, design], design.schedule)
     marks = timeline.marks(recorded)
     t = timeline.t[marks]

@@ -44,6 +44,22 @@ class History:
     complete: bool = True
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class MeanResponse:
+    """The mean errors of a filter after an initial error.
+
+    ``before``: of the forms, before the first sample, shape (r,); ``mean``: after the samples at the instants
+    ``t``, shape (k, r).
+    """
+
+    names: tuple[str, ...]
+    kinds: tuple[Followed, ...]
+    t: Array
+    before: Array
+    mean: Array
+    complete: bool = True
+
+
 @dataclass(frozen=True, slots=True)
 class TimeToObservability:
     """When a deviation falls below a limit for good, None: not within the interval.

@@ -212,7 +212,9 @@ class SimulateRequest:
 
     ``step``: time between samples of outputs that have no rate of their own, None: as in the file;
     ``recorded``: instants that the histories keep; ``runs``: random runs, 0: none; ``fraction``: of the prior
-    below which a deviation counts as small where the file requires nothing; ``segments``: only the segments.
+    below which a deviation counts as small where the file requires nothing; ``segments``: only the segments;
+    ``initial``: states with an error at the start, an expression each; ``feedback``: None: output correction,
+    empty: all estimates are fed back, else those of states and vectors named, one ``sigma<c`` among them.
     """
 
     stages: tuple[str, ...] = ()
@@ -223,3 +225,5 @@ class SimulateRequest:
     fraction: float = 0.1
     numeric: NumericRequest = NumericRequest()
     segments: bool = False
+    initial: tuple[tuple[str, str], ...] = ()
+    feedback: tuple[str, ...] | None = None

@@ -12,7 +12,8 @@ from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.horizon import Horizon, horizon_of
 from obscli.numeric.kalman import covariance_history
-from obscli.numeric.linear_forms import forms_of
+from obscli.numeric.linear_forms import Forms, forms_of
+from obscli.numeric.mean_response import mean_response
 from obscli.numeric.mismatched import mismatch_history
 from obscli.numeric.monte_carlo import monte_carlo
 from obscli.numeric.numeric_system import NumericSystem
@@ -23,9 +24,10 @@ from obscli.pipelines.numerical import settings_of
 from obscli.pipelines.reading import chosen_systems, unknown
 from obscli.pipelines.request import Changes, Progress, RequestError, SimulateRequest, silent
 from obscli.pipelines.simulate_followed import demands_of, followed_forms, sampling_of
+from obscli.pipelines.simulate_mean import feedback_of, initial_of
 from obscli.pipelines.simulate_needs import lacking
 from obscli.pipelines.simulate_report import SimulateReport
-from obscli.pipelines.simulate_result import Demand, Mismatch, SimulateResult, Simulation
+from obscli.pipelines.simulate_result import Demand, Initial, Mismatch, SimulateResult, Simulation
 from obscli.pipelines.simulate_segments import simulate_segments
 
 
@@ -84,11 +86,13 @@ def _has_segments(model: Model, request: SimulateRequest, design: Model | None) 
     """
     numeric = request.numeric
     timed = numeric.start is not None or numeric.stop is not None
-    stages_alone = timed or bool(request.stages) or design is not None or request.runs > 0
+    errors = request.runs > 0 or bool(request.initial) or request.feedback is not None
+    stages_alone = timed or bool(request.stages) or design is not None or errors
     if request.segments and stages_alone:
         raise RequestError(
-            "--segments has the durations of the file and all of its stages, and no random runs: leave out "
-            "--stage, --from, --to, --filter, --runs"
+            "--segments has the durations of the file and all of its stages, and no errors but the "
+            "covariance: leave out --stage, --from, --to, --filter, --runs, --initial, --correction, "
+            "--feedback"
         )
     if request.segments and model.segments is None:
         raise RequestError(f"{model.file}: there are no `segments`")
@@ -132,11 +136,14 @@ class _Stage:
     def simulated(self, design: Model | None, other: System | None) -> SimulateResult:
         """Return what is found, or what is lacking; an interrupt keeps what is done."""
         try:
-            found = self._filtered()
+            feedback = feedback_of(other or self._system, self._system, self._request.feedback)
+            found = replace(self._filtered(), feedback=feedback)
             interrupted = False
             try:
                 if found.history.complete and design is not None and other is not None:
                     found = self._mismatched(found, design, other)
+                if _is_complete(found) and self._request.initial:
+                    found = replace(found, initial=self._response(found, other))
                 if _is_complete(found) and self._request.runs:
                     found = replace(found, monte_carlo=self._runs(found, other))
             except KeyboardInterrupt:
@@ -199,6 +206,7 @@ class _Stage:
             forms_of(other),
             self._request.recorded,
             self._progress,
+            feedback=found.feedback,
         )
         if not len(history.t):
             raise KeyboardInterrupt
@@ -208,20 +216,49 @@ class _Stage:
         )
         return replace(found, mismatch=Mismatch(design, other, history, demands))
 
+    def _forms(self, found: Simulation, other: System | None) -> Forms:
+        """Return what is followed of the filter."""
+        if other is not None:
+            return forms_of(other)
+        combinations = [(one.name, one.coefficients) for one in found.forms if one.kind == "combination"]
+        return forms_of(self._system, combinations)
+
+    def _response(self, found: Simulation, other: System | None) -> Initial:
+        """Return the mean response to the initial error, of the filter on its own model or on the truth."""
+        self._progress("the mean response")
+        system, horizon = self._system, self._horizon(self._system)
+        schedule = self._schedule(system, horizon)
+        error = initial_of(system, self._request.initial, schedule)
+        response = mean_response(
+            system,
+            schedule,
+            self._forms(found, other),
+            error,
+            self._request.recorded,
+            self._progress,
+            filter_=other,
+            filter_schedule=None if other is None else self._schedule(other, horizon),
+            feedback=found.feedback,
+        )
+        if not len(response.t):
+            raise KeyboardInterrupt
+        given = dict(zip(system.state_names, error.tolist(), strict=True))
+        return Initial({name: given[name] for name, _ in self._request.initial}, response)
+
     def _runs(self, found: Simulation, other: System | None) -> MonteCarlo:
         """Return the runs with random errors, of the filter on its own model or on the truth."""
         horizon = self._horizon(self._system)
-        combinations = [(one.name, one.coefficients) for one in found.forms if one.kind == "combination"]
         runs = monte_carlo(
             self._system,
             self._schedule(self._system, horizon),
-            forms_of(self._system, combinations) if other is None else forms_of(other),
+            self._forms(found, other),
             self._request.runs,
             self._request.seed,
             self._request.recorded,
             self._progress,
             filter_=other,
             filter_schedule=None if other is None else self._schedule(other, horizon),
+            feedback=found.feedback,
         )
         if not len(runs.t):
             raise KeyboardInterrupt
@@ -229,11 +266,12 @@ class _Stage:
 
 
 def _is_complete(found: Simulation) -> bool:
-    mismatch, runs = found.mismatch, found.monte_carlo
+    mismatch, runs, initial = found.mismatch, found.monte_carlo, found.initial
     return (
         found.history.complete
         and (mismatch is None or mismatch.history.complete)
         and (runs is None or runs.complete)
+        and (initial is None or initial.response.complete)
     )
 
 

@@ -43,6 +43,9 @@ def _stage_columns(found: Simulation) -> dict[str, dict[float, float]]:
         other = found.mismatch.history
         columns |= _named("claimed", other.names, other.t, other.claimed)
         columns |= _named("true", other.names, other.t, other.true)
+    if found.initial is not None:
+        response = found.initial.response
+        columns |= _named("response", response.names, response.t, response.mean)
     runs = found.monte_carlo
     if runs is not None:
         columns |= _named("mean", runs.names, runs.t, runs.mean)

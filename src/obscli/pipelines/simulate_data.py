@@ -14,6 +14,7 @@ from obscli.pipelines.request import Changes
 from obscli.pipelines.simulate_result import (
     Demand,
     FollowedForm,
+    Initial,
     Mismatch,
     Sampling,
     SimulateResult,
@@ -22,8 +23,9 @@ from obscli.pipelines.simulate_result import (
 
 
 if TYPE_CHECKING:
+    from obscli.numeric.feedback import Feedback
     from obscli.numeric.program import Array
-    from obscli.numeric.simulation_finding import Consistency, History, MonteCarlo, TimeToObservability
+    from obscli.numeric.simulation_finding import Consistency, MonteCarlo, TimeToObservability
 
 
 def simulate_data(results: Iterable[SimulateResult], changes: Changes) -> dict[str, object]:
@@ -38,7 +40,7 @@ def simulate_data(results: Iterable[SimulateResult], changes: Changes) -> dict[s
 
 def history_data(results: Iterable[SimulateResult]) -> dict[str, object]:
     """Return ``{schema, obscli, results}`` with the histories of every stage alone."""
-    kept = ("history", "monte_carlo", "mismatch")
+    kept = ("history", "initial", "monte_carlo", "mismatch")
     found = ((one, one.found) for one in results)
     return {
         "schema": SCHEMA,
@@ -73,11 +75,13 @@ def _simulation(result: SimulateResult, found: Simulation) -> dict[str, object]:
         "outputs": [_sampling(one) for one in found.sampling],
         "forms": [_form(one) for one in found.forms],
         "no_verdicts": found.unsaid,
-        "history": _history(found.history),
+        "history": _history(found),
+        "initial": None if found.initial is None else _initial(found.initial),
+        "feedback": None if found.feedback is None else _feedback(found.feedback),
         "time_to_observability": {one.name: _time(one) for one in found.times},
         "require": [_demand(one) for one in found.demands],
         "monte_carlo": None if found.monte_carlo is None else _monte_carlo(found.monte_carlo),
-        "mismatch": None if found.mismatch is None else _mismatch(found.mismatch),
+        "mismatch": None if found.mismatch is None else _mismatch(found.mismatch, found.initial),
     }
 
 
@@ -100,13 +104,34 @@ def _form(one: FollowedForm) -> dict[str, object]:
     }
 
 
-def _history(found: History) -> dict[str, object]:
+def _history(simulation: Simulation) -> dict[str, object]:
+    found = simulation.history
+    own = None if simulation.mismatch is not None else simulation.initial
     return {
         "t": _numbers(found.t),
         "prior": {name: json_number(float(s)) for name, s in zip(found.names, found.prior, strict=True)},
         "standard_deviation": _by_form(found.names, found.deviations),
         "open_loop": _by_form(found.names, found.open_loop),
+        "mean": None if own is None else _mean(own),
     }
+
+
+def _initial(one: Initial) -> dict[str, object]:
+    names, before = one.response.names, one.response.before
+    return {
+        "error": {name: json_number(value) for name, value in one.error.items()},
+        "before": {name: json_number(float(value)) for name, value in zip(names, before, strict=True)},
+        "t": _numbers(one.response.t),
+        "mean": _mean(one),
+    }
+
+
+def _mean(one: Initial) -> dict[str, list[float | str | None]]:
+    return _by_form(one.response.names, one.response.mean)
+
+
+def _feedback(one: Feedback) -> dict[str, object]:
+    return {"states": None if one.states is None else list(one.states), "below": one.below}
 
 
 def _time(one: TimeToObservability) -> dict[str, object]:
@@ -146,7 +171,7 @@ def _consistency(found: Consistency) -> dict[str, object]:
     }
 
 
-def _mismatch(one: Mismatch) -> dict[str, object]:
+def _mismatch(one: Mismatch, initial: Initial | None) -> dict[str, object]:
     found = one.history
     return {
         "filter": {"name": one.model.name, "file": str(one.model.file), "stage": one.system.stage},
@@ -154,6 +179,7 @@ def _mismatch(one: Mismatch) -> dict[str, object]:
         "t": _numbers(found.t),
         "claimed": _by_form(found.names, found.claimed),
         "true": _by_form(found.names, found.true),
+        "mean": None if initial is None else _mean(initial),
         "require": [_demand(own) for own in one.demands],
         "ratio": {
             own.name: {"end": json_number(own.end), "worst": json_number(own.worst), "when": own.when}

@@ -14,9 +14,11 @@ from obscli.pipelines.stage_result import stage_title
 
 
 if TYPE_CHECKING:
+    from obscli.numeric.feedback import Feedback
     from obscli.numeric.simulation_finding import (
         Followed,
         History,
+        MeanResponse,
         MismatchHistory,
         MonteCarlo,
         TimeToObservability,
@@ -109,6 +111,14 @@ def _ratio(true: float, claimed: float) -> float:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Initial:
+    """An initial error, by state of the truth, and the mean response to it."""
+
+    error: Mapping[str, float]
+    response: MeanResponse
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Simulation:
     """The Kalman filter of one stage along an interval.
 
@@ -125,7 +135,8 @@ class Simulation:
     unsaid : why there are no combinations and verdicts; empty where there are
     sampled : functions of time for which a sample motion was taken
     recorded : functions of time that files give
-    monte_carlo, mismatch : None: not asked for, or interrupted before
+    monte_carlo, mismatch, initial : None: not asked for, or interrupted before
+    feedback : what is fed back after each sample; None: nothing, output correction
     """
 
     start: float
@@ -143,6 +154,8 @@ class Simulation:
     recorded: tuple[str, ...] = ()
     monte_carlo: MonteCarlo | None = None
     mismatch: Mismatch | None = None
+    initial: Initial | None = None
+    feedback: Feedback | None = None
 
     @property
     def form(self) -> Mapping[str, FollowedForm]:

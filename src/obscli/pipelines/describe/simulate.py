@@ -27,6 +27,7 @@ from obscli.core.number import plain as number
 from obscli.numeric.finding import NotComputed
 from obscli.pipelines.describe.formulas import combination
 from obscli.pipelines.describe.signals import taken_as_exact
+from obscli.pipelines.describe.simulate_mean import feedback_note, mean_blocks
 from obscli.pipelines.describe.simulate_runs import DEMANDED, demanded, mismatch_blocks, runs_blocks
 from obscli.pipelines.describe.words import names, sign
 from obscli.pipelines.simulate_result import FollowedForm, Sampling, SimulateResult, Simulation
@@ -78,10 +79,15 @@ def _blocks(result: SimulateResult, *, explains: bool, first: bool) -> Iterator[
     yield from taken_as_exact(result.system)
     yield from _tables(result, found, explains=explains)
     yield Details(tuple(_course_blocks(result, found)))
+    formulas = {form.name: _name(form, result) for form in found.forms}
+    if found.feedback is not None:
+        yield feedback_note(found.feedback, mismatched=found.mismatch is not None)
     if found.mismatch is not None:
         yield from mismatch_blocks(found.mismatch)
+    if found.initial is not None:
+        filtered = result.system if found.mismatch is None else found.mismatch.system
+        yield from mean_blocks(found.initial, formulas, {one.name: one.unit for one in filtered.states})
     if found.monte_carlo is not None:
-        formulas = {form.name: _name(form, result) for form in found.forms}
         yield from runs_blocks(found.monte_carlo, formulas, mismatched=found.mismatch is not None)
     yield from _verdict_blocks(found)
 

@@ -11,7 +11,7 @@ import numpy as np
 from obscli.core.figure import Curve, Emphasis, Figure, Panel
 from obscli.model.system import System
 from obscli.numeric.finding import NotComputed
-from obscli.pipelines.simulate_result import FollowedForm, Mismatch, SimulateResult, Simulation
+from obscli.pipelines.simulate_result import FollowedForm, Initial, Mismatch, SimulateResult, Simulation
 
 
 if TYPE_CHECKING:
@@ -43,6 +43,8 @@ def simulate_figures(results: Iterable[SimulateResult]) -> Iterator[Figure]:
         yield from _deviations(result, found)
         if found.mismatch is not None:
             yield from _mismatch(result.title, time, found.mismatch)
+        if found.initial is not None:
+            yield from _mean(result, found, found.initial)
         if found.monte_carlo is not None:
             yield _consistency(result.title, time, found.monte_carlo)
     yield from _together([(one, one.found) for one in results if not isinstance(one.found, NotComputed)])
@@ -170,6 +172,31 @@ def _mismatch(title: str, time: str, one: Mismatch) -> Iterator[Figure]:
     yield from _figures(
         f"{title}-mismatch", f"{title}: the filter designed on {one.model.name}", time, panels
     )
+
+
+def _mean(result: SimulateResult, found: Simulation, one: Initial) -> Iterator[Figure]:
+    """Yield for every form the mean error, between plus and minus the deviation that the filter claims."""
+    mismatch, mean = found.mismatch, one.response
+    system = result.system if mismatch is None else mismatch.system
+    t, claimed = (
+        (found.history.t, found.history.deviations)
+        if mismatch is None
+        else (mismatch.history.t, mismatch.history.claimed)
+    )
+    units = {state.name: state.unit for state in system.states}
+    panels = [
+        Panel(
+            name,
+            f"error [{units[name]}]" if units.get(name) else "error",
+            (
+                Curve("mean", tuple(mean.t.tolist()), tuple(mean.mean[:, k].tolist()), "main"),
+                Curve("±σ", tuple(t.tolist()), tuple(claimed[:, k].tolist()), "reference"),
+                Curve("", tuple(t.tolist()), tuple((-claimed[:, k]).tolist()), "reference"),
+            ),
+        )
+        for k, name in enumerate(mean.names)
+    ]
+    yield from _figures(f"{result.title}-mean", f"{result.title}: initial error", result.system.time, panels)
 
 
 def _consistency(title: str, time: str, found: MonteCarlo) -> Figure:

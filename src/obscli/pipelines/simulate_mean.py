@@ -1,0 +1,92 @@
+"""What a simulation is asked of an initial error and of feedback, read in the names of a system.
+
+Importing this costs the floating-point libraries.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from obscli.model.covector import parse_scalar
+from obscli.model.system import System
+from obscli.numeric.feedback import Feedback
+from obscli.numeric.numeric_system import NumericSystem, missing_values
+from obscli.numeric.program import Array
+from obscli.numeric.schedule import Schedule
+from obscli.pipelines.reading import unknown
+from obscli.pipelines.request import RequestError
+
+
+def initial_of(system: System, given: Sequence[tuple[str, str]], schedule: Schedule) -> Array:
+    """Return the initial error, shape (n,): expressions at the start, zero where none is given.
+
+    Raises
+    ------
+    RequestError
+        where a name is no state, or a value no number at the start
+    ModelError
+        where a text is no expression in the names of the system
+    """
+    states = list(system.state_names)
+    for name, _ in given:
+        if name not in states:
+            raise RequestError(unknown("--initial: no state", name, states))
+    covector = {name: parse_scalar(system, text, f"--initial {name}") for name, text in given}
+    without_value = [one.name for one in system.parameters if one.nominal is None]
+    if without_value:
+        raise RequestError(f"--initial: {missing_values(without_value)}")
+    numeric = NumericSystem(system, schedule.start, schedule.stop)
+    found: Array = numeric.covectors([covector], np.array([schedule.start]))[0][0, 0]
+    for name, value in zip(states, found, strict=True):
+        if not math.isfinite(value):
+            raise RequestError(f"--initial {name}: no number at the start {schedule.start:.6g}")
+    return found
+
+
+def feedback_of(design: System, true: System, given: Sequence[str] | None) -> Feedback | None:
+    """Return what is fed back; ``given``: None nothing, empty all, else states, vectors, one ``sigma<c``.
+
+    Raises
+    ------
+    RequestError
+        where a name is not one of both systems, or the limit is no positive number
+    """
+    if given is None:
+        return None
+    limits = [one for one in given if one.startswith("sigma") and "<" in one]
+    below = _limit(limits) if limits else None
+    states: list[str] = []
+    for name in (one for one in given if one not in limits):
+        states += _states(design, true, name)
+    return Feedback(tuple(dict.fromkeys(states)) or None, below)
+
+
+def _limit(limits: Sequence[str]) -> float:
+    number = re.fullmatch(r"sigma\s*<\s*(\S+)", limits[0])
+    try:
+        value = float(number[1]) if number else math.nan
+    except ValueError:
+        value = math.nan
+    if len(limits) > 1 or not value > 0:
+        raise RequestError(
+            f"--feedback {', '.join(limits)}: expected one sigma<C, C a positive number: the fraction of its "
+            "prior below which a state's deviation has to be"
+        )
+    return value
+
+
+def _states(design: System, true: System, name: str) -> list[str]:
+    """Return the states of the filter that a name stands for."""
+    found = [one.name for one in design.states if name in (one.name, one.vector)]
+    if not found:
+        raise RequestError(unknown("--feedback: the filter has no state", name, list(design.state_names)))
+    lacking = [one for one in found if one not in true.state_names]
+    if lacking:
+        raise RequestError(
+            f"--feedback {name}: the true model has no state {', '.join(lacking)}: nothing to correct"
+        )
+    return found
