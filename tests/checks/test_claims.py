@@ -19,12 +19,14 @@ from obscli.model.reader import load, read_text
 from obscli.model.system import Quantity
 from obscli.numeric.analysis import analyze as gramian
 from obscli.numeric.settings import Settings
-from obscli.pipelines.request import CalibrateRequest
+from obscli.pipelines.request import CalibrateRequest, NumericRequest
+from obscli.pipelines.verify_segments import verify_segments
 
 
 MODELS = Path(__file__).parents[2] / "models"
 FILES = sorted(MODELS.glob("**/*.yaml"))
 EXPERIMENTS = [pytest.param(file, id=file.stem) for file in FILES if load(file).claims]
+SEGMENTS = [pytest.param(file, id=file.stem) for file in FILES if load(file).segments]
 FAST = Options(critical=False, certificate=False)
 ONE, TWO = number(1), number(2)
 OTHERS = {"observable": ("coupled", "unobservable"), "coupled": ("observable", "unobservable"),
@@ -43,8 +45,15 @@ def _verdicts(system, claims, analysis=None):
 def _of_experiment(model, claims):
     """The results of claims about the experiment of a model, by both sides, in order."""
     systems = tuple(replace(system, claims=()) for system in model.systems)
-    report = verify(replace(model, systems=systems, claims=tuple(claims)))
+    report = verify(replace(model, systems=systems, claims=tuple(claims), segments=None))
     return [check for check in report.results[-1].checks if check.place is not None]
+
+
+def _of_segments(model, claims):
+    """The results of claims about the segments of a model, in order."""
+    whole = replace(model, segments=replace(model.segments, claims=tuple(claims)))
+    found = verify_segments(whole, NumericRequest(), lambda _: None)
+    return [check for check in found.checks if check.place is not None]
 
 
 def _say_what_is_true(results):
@@ -66,6 +75,24 @@ def test_the_claims_of_every_bundled_model_hold(system):
 def test_the_claims_about_every_bundled_experiment_hold(file):
     model = load(file)
     _say_what_is_true(_of_experiment(model, model.claims))
+
+
+@pytest.mark.parametrize("file", SEGMENTS)
+def test_the_claims_about_segments_hold(file):
+    model = load(file)
+    _say_what_is_true(_of_segments(model, model.segments.claims))
+
+
+@pytest.mark.parametrize("file", SEGMENTS)
+def test_a_claim_about_segments_altered_in_one_thing_fails(file):
+    model = load(file)
+    verdicts = dict.fromkeys(model.systems[0].state_names, "observable")
+    for claim in model.segments.claims:
+        assert claim.everything is not None
+        versions = list(_altered(claim, set(), verdicts))
+        assert len(versions) == 2 + 2 * len(verdicts)
+        found = _of_segments(model, [version for _, version in versions])
+        assert [one.verdict for one in found] == ["fails"] * len(versions)
 
 
 def _bent(quantity, state, factor):
@@ -238,6 +265,9 @@ def test_one_number_altered_in_the_file_makes_verification_fail(file):
             changed = replace(system, claims=_rank_changed(system.claims, old.claims))
             of_stages += check_claims(changed, analyses[system.stage])
         together = _rank_changed(model.claims, before.claims)
+        if model.segments:
+            whole = _of_segments(model, _rank_changed(model.segments.claims, before.segments.claims))
+            of_stages += [one for one in whole if one.claim.startswith("rank")]
         assert of_stages or together
         found += [of_stages] if of_stages else []
         of_experiment += [_bare(claim, rank=claim.rank) for claim in together]
@@ -251,6 +281,8 @@ def test_one_number_altered_in_the_file_makes_verification_fail(file):
 
 # One term, sign or value altered by hand in each bundled file, under claims or expect.
 CORRUPTED = {
+    "two_axis_jumps": ("stands, rank: 6", "stands, rank: 7"),
+    "two_axis_turns": ("inner_turns, rank: 12", "inner_turns, rank: 16"),
     "accelerometer": ("basis: [dv, g*alpha - da]", "basis: [dv, g*alpha + da]"),
     "gyro": ("directions: [{dv: -R, domega: 1}]", "directions: [{dv: R, domega: 1}]"),
     "observers": (

@@ -11,7 +11,7 @@ from obscli.model.tree import Node, Scalar
 
 
 if TYPE_CHECKING:
-    from obscli.model.system import Interpolation
+    from obscli.model.signal_file import Interpolation
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -23,7 +23,7 @@ from obscli.model.keys import Fields, choice_of, fields, name_of, text_of
 from obscli.model.meter import Meter
 from obscli.model.scope import Absent, Scope
 from obscli.model.signal_draft import ColumnDraft, SignalDraft, SignalFileDraft
-from obscli.model.system import Interpolation, SignalColumn, SignalFile
+from obscli.model.signal_file import Interpolation, SignalColumn, SignalFile
 from obscli.model.table_header import TableError, names_in
 from obscli.model.tensor import named
 from obscli.model.tree import Broken, Node, Scalar, Sequence

@@ -9,7 +9,8 @@ from obscli.model.write_text import Entry, block_lines, entry_lines, formula, sc
 
 
 if TYPE_CHECKING:
-    from obscli.model.system import SignalColumn, SignalFile, System
+    from obscli.model.signal_file import SignalColumn, SignalFile
+    from obscli.model.system import System
 
 
 def signal_lines(system: System) -> Iterator[str]:

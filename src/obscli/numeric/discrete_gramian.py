@@ -19,9 +19,9 @@ import numpy as np
 from obscli.numeric.errors import TooManyStepsError
 from obscli.numeric.gramian import Gramian
 from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.panels import Panels
 from obscli.numeric.program import EPS, Array
 from obscli.numeric.square_root import carried
-from obscli.numeric.transition import Panels
 
 
 MOST_STEPS: Final = 200_000

@@ -24,10 +24,11 @@ import numpy as np
 from obscli.numeric.errors import NotComputableError, TooManyStepsError
 from obscli.numeric.noise import NoiseModel
 from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.panels import Panels
 from obscli.numeric.program import Array, Counts
 from obscli.numeric.rates import rates_of
 from obscli.numeric.settings import Effort
-from obscli.numeric.transition import Panels, edges_of, longest_step, not_resolved, panels
+from obscli.numeric.transition import edges_of, longest_step, not_resolved, panels
 
 
 #: Step error of the transition; relative change of the information that halving the panels may make.

@@ -27,11 +27,12 @@ from obscli.numeric.collocation import gauss_legendre
 from obscli.numeric.constant_form import ConstantForm, stationary_system
 from obscli.numeric.gramian import LOST, Gramian, squared_rounding
 from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.panels import Panels
 from obscli.numeric.program import EPS, Array
 from obscli.numeric.rates import Rates, rates_of
 from obscli.numeric.settings import Effort
 from obscli.numeric.square_root import carried
-from obscli.numeric.transition import NODES, Panels, edges_of, longest_step, times
+from obscli.numeric.transition import NODES, edges_of, longest_step, times
 
 
 #: Panels are of one length if their lengths agree to so many digits: W_z then is that of a window as much

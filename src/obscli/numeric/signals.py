@@ -25,7 +25,8 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from obscli.core.number import short
-from obscli.model.system import Interpolation, SignalFile, System
+from obscli.model.signal_file import Interpolation, SignalFile
+from obscli.model.system import System
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.program import ROUNDING, Array, Value, constant_value, jet
 from obscli.numeric.signal_table import FEWEST, read_columns

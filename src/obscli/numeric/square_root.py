@@ -31,10 +31,11 @@ import numpy as np
 
 from obscli.numeric.gramian import LOST, Gramian, squared_rounding
 from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.panels import Panels
 from obscli.numeric.program import Array
 from obscli.numeric.rates import Rates
 from obscli.numeric.settings import Effort
-from obscli.numeric.transition import Panels, edges_of, longest_step, panels, times
+from obscli.numeric.transition import edges_of, longest_step, panels, times
 
 
 #: Rows are triangularised when they are more than so many per state.

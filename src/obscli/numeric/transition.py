@@ -17,16 +17,17 @@ E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1 (collocat
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Final, TypeAlias
+from typing import Final
 
 import numpy as np
 
 from obscli.numeric.collocation import gauss_legendre
 from obscli.numeric.errors import NotComputableError, TooManyStepsError
-from obscli.numeric.knots import blocks, with_knots
+from obscli.numeric.knots import with_knots
 from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.panels import Panels, Solved, beside, merged, repeated
 from obscli.numeric.program import EPS, ROUNDING, Array, Counts, Flags
 from obscli.numeric.rates import Rates
 from obscli.numeric.settings import Effort
@@ -67,23 +68,6 @@ _ALIKE: Final = 10
 
 #: Numbers (of 8 bytes) worked on at a time.
 _CHUNK: Final = 4_000_000
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Panels:
-    """Consecutive panels, ``ends`` (k,).
-
-    ``transition``: the moving states' rows of Φ(a, b), shape (k, p, n);
-    ``rows``: √(h w_j) H(τ_j) Φ(τ_j, b), shape (k, s m, n);
-    ``transition_error``: squared error of the moving rows of Φ: step, sums, coefficients; shape (k, p, n);
-    ``row_error``: squared norm of the columns of the rows' error from sums and coefficients, shape (k, n).
-    """
-
-    ends: Array
-    transition: Array
-    rows: Array
-    transition_error: Array
-    row_error: Array
 
 
 def longest_step(rates: Rates) -> float:
@@ -183,25 +167,6 @@ def not_resolved(system: NumericSystem, t: float) -> str:
     )
 
 
-#: Panels, the tail of A X, and its size, (k, p, n) both.
-Solved: TypeAlias = tuple[Panels, Array, Array]
-
-
-def _beside(parts: Sequence[Solved]) -> Solved:
-    """Return independent systems as one, the states of one after those of the other, their outputs added."""
-    if len(parts) == 1:
-        return parts[0]
-    found = [one for one, _, _ in parts]
-    panel = Panels(
-        ends=found[0].ends,
-        transition=blocks([one.transition for one in found]),
-        rows=np.concatenate([one.rows for one in found], axis=2),
-        transition_error=blocks([one.transition_error for one in found]),
-        row_error=np.concatenate([one.row_error for one in found], axis=1),
-    )
-    return panel, blocks([tail for _, tail, _ in parts]), blocks([size for _, _, size in parts])
-
-
 class _Solver:
     """Solves panels of one system."""
 
@@ -226,7 +191,7 @@ class _Solver:
         if parents is None and self._system.is_constant and len(starts) > 1:
             return self._alike(starts, stops)
         with np.errstate(over="ignore", invalid="ignore"):  # not finite: does not stand
-            found, tail, largest = _beside([self._solve(one, starts, stops) for one in self._system.parts])
+            found, tail, largest = beside([self._solve(one, starts, stops) for one in self._system.parts])
         if parents is not None:
             largest = np.maximum(largest, parents.largest)
         if whole is not None:
@@ -246,7 +211,7 @@ class _Solver:
         if (stops - starts)[bad].min() < _SHORTEST * np.abs(stops).max():
             raise NotComputableError(not_resolved(self._system, float(starts[bad][0])))
         fine = self._halved(starts[bad], stops[bad], Parents(unresolved[bad], largest[bad], in_vain[bad]))
-        return _merged(found, ~bad, fine)
+        return merged(found, ~bad, fine)
 
     def _halved(self, starts: Array, stops: Array, parents: Parents) -> Panels:
         """Return the halves of panels, resolved; where nothing varies both are alike, one is solved."""
@@ -254,7 +219,7 @@ class _Solver:
         if self._system.is_constant and len(starts) == 1:
             first = self.resolved(starts, middles, parents)
             self._count(len(first.ends))
-            return _repeated(first, stops)
+            return repeated(first, stops)
         return self.resolved(
             np.concatenate([starts, middles]), np.concatenate([middles, stops]), parents.of_halves()
         )
@@ -401,28 +366,6 @@ def summed(weights: Array, at_nodes: Array) -> Array:
     """Return Σ_l weights_jl g(τ_l): (r, s) with (k, s, p, n) gives (k, r, p, n)."""
     k, s, p, n = at_nodes.shape
     return (weights @ at_nodes.reshape(k, s, p * n)).reshape(k, len(weights), p, n)
-
-
-def _repeated(once: Panels, stop: Array) -> Panels:
-    """Return panels followed by the same ones once more, which end at ``stop``."""
-    again = replace(once, ends=stop - (once.ends[-1] - once.ends))
-    return _merged(once, np.ones(len(once.ends), dtype=bool), again)
-
-
-def _merged(coarse: Panels, kept: Flags, fine: Panels) -> Panels:
-    ends = np.concatenate([coarse.ends[kept], fine.ends])
-    order = np.argsort(ends)
-
-    def joined(a: Array, b: Array) -> Array:
-        return np.concatenate([a[kept], b])[order]
-
-    return Panels(
-        ends[order],
-        joined(coarse.transition, fine.transition),
-        joined(coarse.rows, fine.rows),
-        joined(coarse.transition_error, fine.transition_error),
-        joined(coarse.row_error, fine.row_error),
-    )
 
 
 def _tail(derivative: Array, spectrum: Array) -> Array:
