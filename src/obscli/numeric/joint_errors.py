@@ -101,7 +101,9 @@ class Pair:
     Raises
     ------
     NotComputableError
-        where an output of the filter is not one of the truth, or a state to be fed back not one of both
+        where an output of the filter is not one of the truth
+    UnfitRequestError
+        where a state to be fed back is not one of both
     """
 
     def __init__(self, truth: SampledSystem, design: SampledSystem, feedback: Feedback | None = None) -> None:

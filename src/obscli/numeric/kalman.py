@@ -21,7 +21,7 @@ import numpy as np
 from obscli.model.system import System
 from obscli.numeric.linear_forms import Forms
 from obscli.numeric.program import Array, Flags
-from obscli.numeric.progress import Progress, silent
+from obscli.numeric.progress import Progress, silent, until_interrupted
 from obscli.numeric.sampled_system import SampledSystem, Stretch, Timeline, timeline_of
 from obscli.numeric.schedule import Schedule
 from obscli.numeric.simulation_finding import History
@@ -60,16 +60,11 @@ def covariance_history(
     t = timeline.t[marks]
     rows = forms.at(sampled.numeric, t)
     prior = deviations(forms.at(sampled.numeric, t[:1])[0], sampled.prior)
-    found: list[tuple[Array, Array]] = []
-    complete = True
-    try:
-        for known in followed(
-            sampled, timeline, marks, (sampled.prior, WideRows.of(sampled.prior)), progress
-        ):
-            row = rows[len(found)]
-            found.append((deviations(row, known.root), known.open_loop.deviations(row)))
-    except KeyboardInterrupt:
-        complete = False
+    start = (sampled.prior, WideRows.of(sampled.prior))
+    found, complete = until_interrupted(
+        (deviations(row, known.root), known.open_loop.deviations(row))
+        for row, known in zip(rows, followed(sampled, timeline, marks, start, progress), strict=True)
+    )
     k = len(found)
     closed, opened = np.array(found).reshape(k, 2, len(forms.names)).swapaxes(0, 1)
     return History(

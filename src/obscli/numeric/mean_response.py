@@ -12,11 +12,11 @@ import numpy as np
 
 from obscli.model.system import System
 from obscli.numeric.feedback import Feedback
-from obscli.numeric.joint_errors import Pair
+from obscli.numeric.joint_errors import Known
 from obscli.numeric.linear_forms import Forms
 from obscli.numeric.program import Array
 from obscli.numeric.progress import Progress, silent
-from obscli.numeric.sampled_system import SampledSystem, timeline_of
+from obscli.numeric.recorded_errors import recorded_errors
 from obscli.numeric.schedule import Schedule
 from obscli.numeric.simulation_finding import MeanResponse
 
@@ -51,24 +51,20 @@ def mean_response(  # noqa: PLR0913 - the system, the error, and what is kept of
     NotComputableError
         as for ``mismatch_history``
     """
-    truth = SampledSystem(system, schedule)
-    design = truth if filter_ is None else SampledSystem(filter_, filter_schedule or schedule)
-    pair = Pair(truth, design, feedback)
-    timeline = timeline_of([truth, design], design.schedule)
-    marks = timeline.marks(recorded)
-    t = timeline.t[marks]
-    rows = forms.at(design.numeric, t)
+    run = recorded_errors(
+        system, schedule, forms, recorded, filter_=filter_, filter_schedule=filter_schedule, feedback=feedback
+    )
+    pair = run.pair
     errors = _Response(pair.joint(initial[:, None]), pair.states)
-    before = forms.at(design.numeric, t[:1])[0] @ pair.common @ initial
-    found: list[Array] = []
-    complete = True
-    try:
-        for known in pair.follow(errors, timeline, marks, progress):
-            found.append(rows[len(found)] @ (known.error_transition @ errors.columns)[:, 0])
-    except KeyboardInterrupt:
-        complete = False
+    before = run.rows[0] @ pair.common @ initial
+
+    def seen(known: Known, rows: Array) -> Array:
+        response: Array = rows @ (known.error_transition @ errors.columns)[:, 0]
+        return response
+
+    found, complete = run.look(errors, seen, progress)
     mean = np.array(found).reshape(len(found), len(forms.names))
-    return MeanResponse(forms.names, forms.kinds, t[: len(found)], before, mean, complete)
+    return MeanResponse(forms.names, forms.kinds, run.t[: len(found)], before, mean, complete)
 
 
 class _Response:

@@ -21,11 +21,12 @@ import numpy as np
 
 from obscli.model.system import System
 from obscli.numeric.feedback import Feedback
-from obscli.numeric.joint_errors import Pair
+from obscli.numeric.joint_errors import Known
+from obscli.numeric.kalman import deviations
 from obscli.numeric.linear_forms import Forms
 from obscli.numeric.program import Array
 from obscli.numeric.progress import Progress, silent
-from obscli.numeric.sampled_system import SampledSystem, timeline_of
+from obscli.numeric.recorded_errors import recorded_errors
 from obscli.numeric.schedule import Schedule
 from obscli.numeric.simulation_finding import MismatchHistory
 from obscli.numeric.square_root_filter import compressed
@@ -62,24 +63,24 @@ def mismatch_history(  # noqa: PLR0913 - two systems, and what is kept of them
         where a state has no P0, the filter takes samples that the truth does not have, or a system cannot be
         integrated
     """
-    pair = Pair(SampledSystem(truth, truth_schedule), SampledSystem(filter_, filter_schedule), feedback)
-    timeline = timeline_of([pair.truth, pair.design], filter_schedule)
-    marks = timeline.marks(recorded)
-    t = timeline.t[marks]
-    rows = forms.at(pair.design.numeric, t)
-    joint = _Root(pair.prior, pair.states)
-    found: list[tuple[Array, Array]] = []
-    complete = True
-    try:
-        for known in pair.follow(joint, timeline, marks, progress):
-            row = rows[len(found)]
-            claimed = row @ known.filter_transition @ known.root
-            true = row @ known.error_transition @ joint.columns
-            found.append((np.linalg.norm(claimed, axis=1), np.linalg.norm(true, axis=1)))
-    except KeyboardInterrupt:
-        complete = False
+    run = recorded_errors(
+        truth,
+        truth_schedule,
+        forms,
+        recorded,
+        filter_=filter_,
+        filter_schedule=filter_schedule,
+        feedback=feedback,
+    )
+    joint = _Root(run.pair.prior, run.pair.states)
+
+    def seen(known: Known, rows: Array) -> tuple[Array, Array]:
+        claimed = deviations(rows @ known.filter_transition, known.root)
+        return claimed, deviations(rows @ known.error_transition, joint.columns)
+
+    found, complete = run.look(joint, seen, progress)
     claimed, true = np.array(found).reshape(-1, 2, len(forms.names)).swapaxes(0, 1)
-    done = t[: len(found)]
+    done = run.t[: len(found)]
     return MismatchHistory(
         forms.names,
         forms.kinds,

@@ -25,11 +25,11 @@ from obscli.model.system import System
 from obscli.numeric.chi_squared import chi_squared_band
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.feedback import Feedback
-from obscli.numeric.joint_errors import Known, Pair
+from obscli.numeric.joint_errors import Known
 from obscli.numeric.linear_forms import Forms
 from obscli.numeric.program import Array
 from obscli.numeric.progress import Progress, silent
-from obscli.numeric.sampled_system import SampledSystem, timeline_of
+from obscli.numeric.recorded_errors import recorded_errors
 from obscli.numeric.schedule import Schedule
 from obscli.numeric.simulation_finding import Consistency, MonteCarlo
 
@@ -84,23 +84,18 @@ def monte_carlo(  # noqa: PLR0913 - the system, the runs, and what is kept of th
     """
     if runs < 1:
         raise NotComputableError(f"{runs} runs: at least one is needed (--runs)")
-    truth = SampledSystem(system, schedule)
-    design = truth if filter_ is None else SampledSystem(filter_, filter_schedule or schedule)
-    pair = Pair(truth, design, feedback)
-    timeline = timeline_of([truth, design], design.schedule)
-    marks = timeline.marks(recorded)
-    t = timeline.t[marks]
-    rows = forms.at(design.numeric, t)
+    run = recorded_errors(
+        system, schedule, forms, recorded, filter_=filter_, filter_schedule=filter_schedule, feedback=feedback
+    )
+    pair = run.pair
     draws = _Draws(pair.prior, pair.states, np.random.Generator(np.random.PCG64(seed)), runs)
-    found: list[_Recorded] = []
-    complete = True
-    try:
-        for known in pair.follow(draws, timeline, marks, progress):
-            outputs = design.schedule.sampled[timeline.sample[known.index]]
-            found.append(_recorded(known, rows[len(found)], draws.columns, int(outputs.sum())))
-    except KeyboardInterrupt:
-        complete = False
-    done = t[: len(found)]
+
+    def seen(known: Known, rows: Array) -> _Recorded:
+        outputs = pair.design.schedule.sampled[run.timeline.sample[known.index]]
+        return _recorded(known, rows, draws.columns, int(outputs.sum()))
+
+    found, complete = run.look(draws, seen, progress)
+    done = run.t[: len(found)]
     shape = (len(found), len(forms.names))
     return MonteCarlo(
         forms.names,

@@ -17,7 +17,7 @@ from obscli.numeric.kalman import deviations, followed
 from obscli.numeric.linear_forms import Forms
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import Array
-from obscli.numeric.progress import Progress, silent
+from obscli.numeric.progress import Progress, silent, until_interrupted
 from obscli.numeric.sampled_system import SampledSystem, timeline_of
 from obscli.numeric.schedule import Schedule, schedule_of
 from obscli.numeric.segment_gramian import Piece
@@ -80,14 +80,12 @@ def segment_history(
     """
     first = SampledSystem(pieces[0].system, schedules[0])
     prior = deviations(forms.at(first.numeric, np.array([pieces[0].start]))[0], first.prior)
-    found: list[tuple[float, Array, Array]] = []
-    complete = True
-    try:
-        for one in _followed(pieces, schedules, recorded, progress):
-            row = forms.at(one.numeric, np.array([one.t]))[0]
-            found.append((one.t, deviations(row, one.root), one.open_loop.deviations(row)))
-    except KeyboardInterrupt:
-        complete = False
+
+    def seen(one: _Known) -> tuple[float, Array, Array]:
+        row = forms.at(one.numeric, np.array([one.t]))[0]
+        return one.t, deviations(row, one.root), one.open_loop.deviations(row)
+
+    found, complete = until_interrupted(map(seen, _followed(pieces, schedules, recorded, progress)))
     k, r = len(found), len(forms.names)
     times = np.array([one[0] for one in found])
     closed = np.array([one[1] for one in found]).reshape(k, r)
