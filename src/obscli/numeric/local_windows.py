@@ -12,13 +12,13 @@ from typing import Final
 
 import numpy as np
 
-from obscli.model.system import Output
 from obscli.numeric.errors import UnfitRequestError
 from obscli.numeric.local_stack import Form, LocalStack, frozen_stack, true_stack
 from obscli.numeric.noise import steps_of
-from obscli.numeric.numeric_system import Coefficients, NumericSystem, constants_of
-from obscli.numeric.program import EPS, Array, Counts, Flags, constant_value
+from obscli.numeric.numeric_system import Coefficients, NumericSystem
+from obscli.numeric.program import EPS, Array, Counts, Flags
 from obscli.numeric.sample_transitions import sample_transitions
+from obscli.numeric.schedule import sampled_within
 from obscli.numeric.subspace import Subspaces, subspaces
 from obscli.numeric.window_measures import Weights, WindowValues, window_values
 from obscli.numeric.window_scaling import WindowScaling
@@ -177,16 +177,7 @@ def sampled(numeric: NumericSystem, t: Array, sampling: Sampling) -> Flags:
         if every is not None:
             due = np.floor(j * sampling.h / every + _FITS)
             found[:, :, i] &= np.diff(due, prepend=-1.0) > 0
-        if one.during is not None:
-            found[:, :, i] &= _within(numeric, one, t[:, None] + j * sampling.h)
-    return found
-
-
-def _within(numeric: NumericSystem, output: Output, t: Array) -> Flags:
-    constants = constants_of(numeric.system)
-    found = np.zeros(t.shape, dtype=bool)
-    for first, last in output.during or ():
-        found |= (t >= constant_value(first, constants)) & (t <= constant_value(last, constants))
+        found[:, :, i] &= sampled_within(system, one, t[:, None] + j * sampling.h, sampling.h)
     return found
 
 

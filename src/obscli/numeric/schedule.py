@@ -119,16 +119,27 @@ def _instants(system: System, output: Output, step: float, interval: tuple[float
     if count > _MOST:
         raise NotComputableError(_too_many(count))
     t: Array = np.minimum(start + step * np.arange(count), stop)
+    return t if output.during is None else t[sampled_within(system, output, t, step)]
+
+
+def sampled_within(system: System, output: Output, t: Array, step: float) -> Flags:
+    """Return at which instants an output is sampled, but for outages; ends count within rounding of a step.
+
+    Raises
+    ------
+    NotComputableError
+        where a parameter in `during` has no value
+    """
     if output.during is None:
-        return t
-    inside = np.zeros(count, dtype=bool)
+        return np.ones(t.shape, dtype=bool)
+    inside = np.zeros(t.shape, dtype=bool)
     constants = constants_of(system)
     for pair in output.during:
         if unknown := symbols(*pair) - constants.keys():
             raise NotComputableError(f"`during` of {output.name}: {missing_values(sorted(unknown))}")
         first, last = (constant_value(one, constants) for one in pair)
         inside |= (t >= first - _SAME * step) & (t <= last + _SAME * step)
-    return t[inside]
+    return inside
 
 
 def _joined(each: Sequence[Array], step: float) -> tuple[Array, Flags]:
