@@ -41,14 +41,16 @@ def simulate_data(results: Iterable[SimulateResult], changes: Changes) -> dict[s
 def history_data(results: Iterable[SimulateResult]) -> dict[str, object]:
     """Return ``{schema, obscli, results}`` with the histories of every stage alone."""
     kept = ("history", "initial", "monte_carlo", "mismatch")
-    found = ((one, one.found) for one in results)
+    made = (
+        (result, _simulation(result, result.found))
+        for result in results
+        if not isinstance(result.found, NotComputed)
+    )
     return {
         "schema": SCHEMA,
         "obscli": VERSION,
         "results": [
-            {"model": model_data(result), **{key: _simulation(result, one)[key] for key in kept}}
-            for result, one in found
-            if not isinstance(one, NotComputed)
+            {"model": model_data(result), **{key: data[key] for key in kept}} for result, data in made
         ],
     }
 
