@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 import pytest
+from pyarrow.parquet import read_table
 
 from obscli import api
 
@@ -179,10 +180,9 @@ def test_several_stages_stand_below_each_other_in_one_file(obscli, files):
 
 
 def test_parquet_holds_the_same(obscli, files):
-    parquet = pytest.importorskip("pyarrow.parquet")
     for end in ("csv", "parquet"):
         assert obscli("simulate", "channel.yaml", "--runs", 5, "--history", f"h.{end}").status == 0
-    table = parquet.read_table(files / "h.parquet").to_pydict()
+    table = read_table(files / "h.parquet").to_pydict()
     with (files / "h.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
 

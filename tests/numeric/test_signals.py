@@ -3,9 +3,11 @@
 from itertools import pairwise
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pyarrow.parquet import write_table
 
 from obscli.model.reader import load
 from obscli.numeric.analysis import analyze
@@ -277,11 +279,46 @@ def test_variables_of_archives(tmp_path):
             read_columns(tmp_path / name, ["w"])
 
 
-def test_what_is_no_archive_is_refused(tmp_path):
-    for name in ("a.npz", "a.mat"):
-        (tmp_path / name).write_text("no archive")
-        with pytest.raises(NotComputableError, match="cannot be read"):
-            read_columns(tmp_path / name, ["t"])
+def test_parquet_is_read_by_column(tmp_path):
+    t, v = np.arange(5.0), np.arange(5) ** 2
+    write_table(pa.table({"t": t, "v": v, "w": ["x"] * 5}), tmp_path / "a.parquet")
+    assert read_columns(tmp_path / "a.parquet", ["v", "t"]).tolist() == [v.tolist(), t.tolist()]
+    with pytest.raises(NotComputableError, match="no variable 'u'"):
+        read_columns(tmp_path / "a.parquet", ["t", "u"])
+    with pytest.raises(NotComputableError, match="w holds no real numbers"):
+        read_columns(tmp_path / "a.parquet", ["t", "w"])
+
+
+@pytest.mark.parametrize("ending", ["npz", "mat", "parquet"])
+@pytest.mark.parametrize("text", ["", "no archive"])
+def test_what_is_no_archive_is_refused(tmp_path, ending, text):
+    (tmp_path / f"a.{ending}").write_text(text)
+    with pytest.raises(NotComputableError, match=f"a.{ending} cannot be read as a "):
+        read_columns(tmp_path / f"a.{ending}", ["t"])
+
+
+def test_damaged_archives_are_refused(tmp_path):
+    """Whatever bytes are changed or cut off, samples are read or refused, never anything else."""
+    np.savez(tmp_path / "a.npz", t=np.arange(50.0))
+    whole = (tmp_path / "a.npz").read_bytes()
+    rng, outcomes = np.random.default_rng(2), set()
+    for k in range(60):
+        changed = bytearray(whole if k % 3 else whole[: rng.integers(len(whole))])
+        for place in rng.integers(max(len(changed), 1), size=min(k % 3, len(changed))):
+            changed[place] ^= 1 + rng.integers(255)
+        (tmp_path / "a.npz").write_bytes(changed)
+        try:
+            outcomes.add(len(read_columns(tmp_path / "a.npz", ["t"])))
+        except NotComputableError as error:
+            outcomes.add(str(error).split(":")[0])
+    assert "a.npz cannot be read as a NumPy archive" in outcomes
+
+
+def test_an_array_without_a_name_is_no_archive(tmp_path):
+    np.save(tmp_path / "a.npy", np.arange(5.0))
+    (tmp_path / "a.npy").rename(tmp_path / "a.npz")
+    with pytest.raises(NotComputableError, match=r"one array without a name: save it by np\.savez"):
+        read_columns(tmp_path / "a.npz", ["t"])
 
 
 def test_a_changed_file_is_read_again(model):

@@ -21,6 +21,9 @@ from obscli.numeric.program import Array
 
 FEWEST: Final = 2
 
+#: What a file is by its ending.
+_KINDS: Final = {"npz": "a NumPy archive", "mat": "a MATLAB file", "parquet": "a Parquet file"}
+
 
 def read_columns(path: Path, names: Sequence[str]) -> Array:
     """Return the columns of a file, in the order of the names, shape (len(names), N).
@@ -38,8 +41,10 @@ def read_columns(path: Path, names: Sequence[str]) -> Array:
         raise NotComputableError(f"{path.name}: {error}") from None
     try:
         variables = {"npz": _npz, "mat": _mat, "parquet": _parquet}[kind](path, names)
-    except (OSError, ValueError, NotImplementedError) as error:
-        raise NotComputableError(f"{path.name} cannot be read: {error}") from None
+    except NotComputableError:
+        raise
+    except Exception as error:  # noqa: BLE001 - readers of damaged bytes end in whatever these lead them to
+        raise NotComputableError(f"{path.name} cannot be read as {_KINDS[kind]}: {error}") from None
     return _stacked(path, variables, names)
 
 
@@ -96,19 +101,19 @@ def _no_number(cell: str, delimiter: str) -> str:
 
 
 def _npz(path: Path, names: Sequence[str]) -> Mapping[str, Any]:
-    with np.load(path, allow_pickle=False) as archive:
+    with path.open("rb") as stream:  # a file that NumPy opens itself stays open where it is no archive
+        archive = np.load(stream, allow_pickle=False)
+        if not isinstance(archive, np.lib.npyio.NpzFile):
+            raise NotComputableError(f"{path.name} holds one array without a name: save it by np.savez")
         wanted = {variable_of(name)[0] for name in names} | set(names)
         return {name: archive[name] for name in archive.files if name in wanted}
 
 
 def _mat(path: Path, names: Sequence[str]) -> Mapping[str, Any]:
-    from scipy.io import loadmat, matlab  # noqa: PLC0415 - for this format only
+    from scipy.io import loadmat  # noqa: PLC0415 - for this format only
 
     wanted = {variable_of(name)[0] for name in names} | set(names)
-    try:
-        found = loadmat(path, variable_names=sorted(wanted))
-    except matlab.MatReadError as error:
-        raise ValueError(str(error)) from None
+    found = loadmat(path, variable_names=sorted(wanted))
     return {name: value for name, value in found.items() if name in wanted}
 
 
