@@ -4,16 +4,21 @@ Straight level flight with position fixes, attitude errors and a lever arm: H Φ
 of the accelerometers turns f and shows heading (9), noise of the attitude shows the lever arm as well (12).
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from obscli.model.reader import load
 from obscli.numeric.analysis import analyze
+from obscli.numeric.errors import NotComputableError
 from obscli.numeric.excitation import Pair, deviations_of, excitation
 from obscli.numeric.horizon import Wanted
 from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.scaling import scaled
 from obscli.numeric.settings import Effort, Settings
 from obscli.numeric.square_root import square_root_gramian
+from obscli.numeric.subspace import subspaces
 
 
 LEVEL = """\
@@ -100,6 +105,19 @@ def test_motion_well_above_noise_counts(flight):
 def test_less_noise_than_there_is_hides_nothing(flight):
     """The test knows what the file says: noise ten times what it states counts as motion."""
     assert excitation(flight(0.5, told=(0.05, 0))).excited == 9
+
+
+def test_only_samples_of_the_window_are_counted(flight, monkeypatch):
+    """Windows are shorter than the interval where that would take too many steps."""
+    whole = flight(0.05, told=(0.05, 2e-4))
+    instant = np.array([60.0])
+    found = square_root_gramian(whole.system, 50.0, instant, whole.rates, Effort(1e-14, 20_000))
+    late = replace(whole, spaces=subspaces(scaled(found, whole.system.system, whole.scaling)))
+    late = replace(late, horizon=replace(whole.horizon, instants=instant))
+    monkeypatch.setattr("obscli.numeric.excitation._MOST_SAMPLES", 30)
+    assert excitation(late) is not None
+    with pytest.raises(NotComputableError, match="149 instants with samples, 30 at the most"):
+        excitation(whole)
 
 
 def test_the_pair_is_two_systems_side_by_side(flight):

@@ -18,7 +18,7 @@ from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import Program, jet
 from obscli.numeric.settings import Settings
 from obscli.numeric.signal_table import read_columns
-from obscli.numeric.signals import Samples, slopes_of
+from obscli.numeric.signals import Samples, Signals, slopes_of
 
 
 def samples(t, values, interpolation="cubic"):
@@ -277,6 +277,25 @@ def test_variables_of_archives(tmp_path):
             read_columns(tmp_path / name, ["t", "v[4]"])
         with pytest.raises(NotComputableError, match="no variable 'w'"):
             read_columns(tmp_path / name, ["w"])
+
+
+def test_entries_on_one_file_get_noise_of_their_own(tmp_path):
+    t = np.arange(0, 50, 0.1)
+    np.savetxt(tmp_path / "s.csv", np.column_stack([t, 0 * t]), delimiter=",", header="t,a", comments="")
+    (tmp_path / "m.yaml").write_text(
+        "states: [x]\nsignals:\n- {file: s.csv, time: t, columns: {f: a}}\n"
+        "- {file: s.csv, time: t, columns: {g: a}}\nA: [[f]]\nH: [[g]]\n"
+    )
+    system = load(tmp_path / "m.yaml").systems[0]
+
+    def drawn(draw):
+        found = Signals(system, 0, 49, ({"f": 1.0, "g": 2.0}, draw)).values(t[:490], {})
+        return np.array([found["f"], found["g"]])
+
+    noise = np.concatenate([drawn(0), drawn(1)])
+    assert np.allclose(np.std(noise, axis=1), [1, 2, 1, 2], rtol=0.15)
+    assert np.abs(np.corrcoef(noise) - np.eye(4)).max() < 0.2
+    assert np.array_equal(drawn(0), noise[:2])
 
 
 def test_parquet_is_read_by_column(tmp_path):

@@ -154,13 +154,13 @@ def _told_apart(draws: list[tuple[Array, Array]]) -> tuple[Array, Array, list[fl
 def _draws(numeric: Numeric, i: int, deviations: Mapping[str, float]) -> list[tuple[Array, Array]]:
     """Return R and E, shape (2n, n) both, of some draws of the noise, over the window of an instant."""
     one, n = numeric.system, numeric.system.n
-    count = len(one.knots(numeric.horizon.start, float(numeric.horizon.instants[i])))
+    start, t = float(numeric.spaces.gramian.starts[i]), numeric.horizon.instants[i : i + 1]
+    count = len(one.knots(start, float(t[0])))
     if count > _MOST_SAMPLES:
         raise NotComputableError(
             f"{count} instants with samples, {_MOST_SAMPLES} at the most for this test: choose a shorter "
             "interval (--from, --to)"
         )
-    start, t = float(numeric.spaces.gramian.starts[i]), numeric.horizon.instants[i : i + 1]
     effort = Effort(STEP_ERROR["square-root"], affordable_steps(one))
     found = []
     for draw in range(_DRAWS):

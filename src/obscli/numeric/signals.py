@@ -126,7 +126,7 @@ class Signals:
     def __init__(self, system: System, start: float, stop: float, disturbed: Disturbed | None = None) -> None:
         self._files = samples_of(system)
         if disturbed is not None:
-            self._files = tuple(_noisier(one, *disturbed) for one in self._files)
+            self._files = tuple(_noisier(one, k, *disturbed) for k, one in enumerate(self._files))
         first, last = overlap(self._files)
         room = _END * (last - first)
         if start < first - room or stop > last + room:
@@ -195,10 +195,10 @@ class Signals:
         return np.unique(np.concatenate(parts)) if parts else np.empty(0)
 
 
-def _noisier(samples: Samples, deviations: Mapping[str, float], draw: int) -> Samples:
-    """Return the samples with white noise added; another draw for every number and file."""
+def _noisier(samples: Samples, entry: int, deviations: Mapping[str, float], draw: int) -> Samples:
+    """Return the samples with white noise added; another draw for every number and entry of ``signals``."""
     places = [k for k, name in enumerate(samples.names) if name in deviations]
-    seed = [draw, *(ord(letter) for letter in samples.file), len(samples.t)]
+    seed = [draw, entry]
     sizes = np.array([deviations[samples.names[k]] for k in places])
     noise = sizes * np.random.default_rng(seed).standard_normal((len(samples.t), len(places)))
     values, slopes = samples.values.copy(), samples.slopes.copy()
