@@ -231,3 +231,10 @@ def test_plan_does_not_move_jumps(obscli, model):
     outcome = obscli("plan", model(MODEL), "--segments")
     assert outcome.status == 2
     assert "the jump after drive is one between two segments" in " ".join(outcome.err.split())
+
+
+def test_a_duration_that_is_none_at_these_values_is_refused_everywhere(obscli, model):
+    for command in (("analyze", "--only", "analytic"), ("simulate",), ("verify",)):
+        outcome = obscli(command[0], model(MODEL), *command[1:], "--set", "T=1-sqrt(5)")
+        assert outcome.status == 2
+        assert "segments[1].duration: a positive duration is expected here; T is not" in outcome.err

@@ -8,10 +8,12 @@ from typing import cast
 
 from obscli.model.draft import Draft, ParameterDraft
 from obscli.model.evaluate import evaluate
-from obscli.model.expression import Expression, ExpressionTooLarge, Number, Symbol, is_zero
+from obscli.model.expression import Expression, ExpressionTooLarge, Symbol, is_zero
 from obscli.model.formula import Formula
 from obscli.model.meter import Meter
+from obscli.model.notation import to_text
 from obscli.model.scope import Absent, Scope
+from obscli.model.sign import sign
 from obscli.model.system import Assumption, Parameter
 from obscli.model.tensor import Tensor, named, scalar
 from obscli.model.tree import Scalar
@@ -108,10 +110,7 @@ def not_above(name: str, key: Scalar) -> Absent:
 
 
 def _check_sign(parameter: ParameterDraft, nominal: Expression | None, problems: Problems) -> None:
-    if not isinstance(nominal, Number) or parameter.value is None:
-        return
-    if (parameter.assume == "positive" and nominal.value <= 0) or (
-        parameter.assume == "nonzero" and nominal.value == 0
-    ):
-        message = f"the value {nominal.value} contradicts `assume: {parameter.assume}`"
+    refused = {"positive": {0, -1}, "nonzero": {0}}.get(parameter.assume or "", set())
+    if parameter.value is not None and nominal is not None and refused and sign(nominal) in refused:
+        message = f"the value {to_text(nominal)} contradicts `assume: {parameter.assume}`"
         problems.add(parameter.value.problem(message))

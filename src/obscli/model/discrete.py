@@ -16,9 +16,10 @@ from obscli.core.place import ModelError, Problem
 from obscli.model.constant import constant
 from obscli.model.draft import Draft
 from obscli.model.environment import Environment
-from obscli.model.expression import Apply, Expression, Number, Pi, postorder, symbols
+from obscli.model.expression import Apply, Expression, Pi, postorder, symbols
 from obscli.model.formula import formula
 from obscli.model.keys import Fields
+from obscli.model.sign import sign
 from obscli.model.system import Noise, System
 from obscli.model.tree import Broken, Node
 from obscli.model.trouble import Problems
@@ -105,7 +106,7 @@ def step_of(draft: Draft, known: Environment, problems: Problems) -> Expression 
     if draft.step is None or isinstance(draft.step, Broken) or not draft.is_discrete:
         return None
     found = constant(formula(draft.step, "step", problems), known.scope, problems)
-    if isinstance(found, Number) and found.value <= 0:
+    if found is not None and sign(found) in {0, -1}:
         problems.add(draft.step.problem("step", "a positive time is expected here"))
     if found is not None and draft.time in symbols(found):
         problems.add(draft.step.problem("step", f"the step depends on {draft.time}: it is one number"))

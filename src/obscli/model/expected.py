@@ -14,10 +14,11 @@ from unicodedata import normalize
 from obscli.core.place import Place
 from obscli.model.constant import unmoving
 from obscli.model.declaration import is_part_of
-from obscli.model.expression import Expression, Number
+from obscli.model.expression import Expression
 from obscli.model.formula import Formula, formula
 from obscli.model.keys import choice_of, fields, whole_of
 from obscli.model.scope import Scope
+from obscli.model.sign import sign
 from obscli.model.system import ExpectedMeasure, ExpectedStationary, Lifted, Met, Quantity, State
 from obscli.model.tokens import is_name
 from obscli.model.tree import Broken, Node, Scalar, kind
@@ -193,7 +194,7 @@ def _tolerance(draft: Formula | None, scope: Scope, problems: Problems) -> Expre
     if draft is None:
         return None
     value = unmoving(draft, scope, problems)
-    if isinstance(value, Number) and value.value <= 0:
+    if value is not None and sign(value) in {0, -1}:
         problems.add(draft.problem("a positive number is expected here: how far off, relative to the value"))
     return value
 

@@ -22,8 +22,6 @@ from obscli.model.expression import (
     ZERO,
     Derivative,
     Expression,
-    Number,
-    Product,
     add,
     is_zero,
     postorder,
@@ -36,6 +34,7 @@ from obscli.model.notation import to_text
 from obscli.model.runs import Elaborated
 from obscli.model.scope import Scope
 from obscli.model.segments import SegmentDraft, SegmentsDraft
+from obscli.model.sign import sign_at_nominal
 from obscli.model.specialise import Specialisation
 from obscli.model.system import Matrix, Parameter, Run, Segment, Segments, System
 from obscli.model.tensor import Tensor, named
@@ -89,17 +88,12 @@ def _duration(one: SegmentDraft, system: System, problems: Problems) -> Expressi
     value = unmoving(one.duration, scope_of(system), problems)
     if value is None:
         return None
-    if is_zero(value) or _is_negative(value):
+    if sign_at_nominal(value, system) in {0, -1}:
         hint = "a motion that takes no time is a `jump` of the segment before it"
-        problems.add(one.duration.problem("a positive duration is expected here", hint))
+        given = f"; {to_text(value)} is not, at these values" if symbols(value) else ""
+        problems.add(one.duration.problem(f"a positive duration is expected here{given}", hint))
         return None
     return value
-
-
-def _is_negative(value: Expression) -> bool:
-    """Whether the number is negative as written; symbols may have any sign."""
-    first = value.factors[0] if isinstance(value, Product) else value
-    return isinstance(first, Number) and first.value < 0 and not symbols(value)
 
 
 def _jump(one: SegmentDraft, system: System, following: System | None, problems: Problems) -> Matrix | None:

@@ -8,11 +8,12 @@ from typing import Final
 
 from obscli.model.constant import constant
 from obscli.model.evaluate import evaluate
-from obscli.model.expression import Expression, Number, is_zero, power
+from obscli.model.expression import Expression, is_zero, power
 from obscli.model.form import Form
 from obscli.model.formula import formula
 from obscli.model.keys import Fields, fields
 from obscli.model.scope import Scope
+from obscli.model.sign import sign
 from obscli.model.system import Matrix, Noise
 from obscli.model.tensor import Tensor, named
 from obscli.model.tree import Broken, Mapping, Node, Scalar
@@ -91,7 +92,7 @@ class _Reading:
         if self._is_missing(node, path):
             return None
         found = constant(formula(node, path, self._problems), self._scope, self._problems)
-        if isinstance(found, Number) and found.value <= 0:
+        if found is not None and sign(found) in {0, -1}:
             self._problems.add(node.problem(path, "a positive time is expected here"))
         return found
 
@@ -141,7 +142,7 @@ class _Reading:
 
     def _check_sign(self, node: Node, path: str, diagonal: Iterable[Form]) -> None:
         for form in diagonal:
-            if isinstance(form.constant, Number) and form.constant.value < 0:
+            if sign(form.constant) == -1:
                 deviation = path.startswith(("noise.P0_std", "noise.signals"))
                 what = "a standard deviation" if deviation else "a variance"
                 self._problems.add(node.problem(path, f"{what} cannot be negative"))

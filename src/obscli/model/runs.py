@@ -13,9 +13,10 @@ from obscli.model.covector import scope_of
 from obscli.model.declaration import is_part_of
 from obscli.model.evaluate import evaluate
 from obscli.model.experiment import ExperimentDraft, PlanDraft, RunDraft
-from obscli.model.expression import ONE, Expression, Number, Product, is_zero, symbols
+from obscli.model.expression import ONE, Expression, symbols
 from obscli.model.formula import formula
 from obscli.model.keys import fields
+from obscli.model.sign import sign_at_nominal
 from obscli.model.source import checked
 from obscli.model.system import Experiment, Planning, Requirement, Run, System
 from obscli.model.tree import Broken, Mapping, Node, Scalar, kind
@@ -135,7 +136,7 @@ def _planning(
     if plan.setup_time is not None and chosen_from:
         system = chosen_from[0].system
         setup = constant(plan.setup_time, scope_of(system), problems)
-        if setup is not None and (_is_negative(setup) or _moves(setup, system)):
+        if setup is not None and (sign_at_nominal(setup, system) == -1 or _moves(setup, system)):
             problems.add(plan.setup_time.problem("a time is expected here: zero or a positive number"))
     return Planning(candidates, forbidden, setup)
 
@@ -227,7 +228,7 @@ def requirements(
         entries = asked.entries * (len(targets) if asked.is_scalar else 1)
         for (target, covector), entry in zip(targets, entries, strict=True):
             asked_for = entry.constant
-            if entry.linear or is_zero(asked_for) or _is_negative(asked_for) or _moves(asked_for, system):
+            if entry.linear or sign_at_nominal(asked_for, system) in {0, -1} or _moves(asked_for, system):
                 message = "a positive number is expected here: one standard deviation"
                 problems.add(value.problem(f"require.{name}", message))
                 break
@@ -235,12 +236,6 @@ def requirements(
                 problems.add(key.problem("require", f"'{target}' is required twice"))
             found.append(Requirement(target, covector, asked_for, key.place))
     return tuple(found)
-
-
-def _is_negative(value: Expression) -> bool:
-    """Whether the number is negative as written; symbols may have any sign."""
-    first = value.factors[0] if isinstance(value, Product) else value
-    return isinstance(first, Number) and first.value < 0 and not symbols(value)
 
 
 def _moves(value: Expression, system: System) -> bool:

@@ -17,11 +17,12 @@ from typing import Final, cast
 from obscli.model.constant import constant, unchanging
 from obscli.model.declaration import Declared, component_names
 from obscli.model.draft import Draft, FunctionDraft
-from obscli.model.expression import Expression, Number
+from obscli.model.expression import Expression
 from obscli.model.formula import formula
 from obscli.model.keys import Fields, choice_of, fields, name_of, text_of
 from obscli.model.meter import Meter
 from obscli.model.scope import Absent, Scope
+from obscli.model.sign import sign
 from obscli.model.signal_draft import ColumnDraft, SignalDraft, SignalFileDraft
 from obscli.model.signal_file import Interpolation, SignalColumn, SignalFile
 from obscli.model.table_header import TableError, names_in
@@ -143,7 +144,7 @@ class _Reading:
             zero = (
                 text
                 if text in {"first", "value"}
-                else self._number(inner, "zero", below, sign=False) or "value"
+                else self._number(inner, "zero", below, nonzero=False) or "value"
             )
         column = self._column(inner["column"][1], f"{below}.column") if "column" in inner else None
         return column, self._number(inner, "factor", below), zero
@@ -156,8 +157,8 @@ class _Reading:
             self.problems.add(node.problem(path, "the name of a column is expected here"))
         return None
 
-    def _number(self, given: Fields, key: str, path: str, *, sign: bool = True) -> Expression | None:
-        """Return a number, None where it is not given or wrong; ``sign``: it must not be zero."""
+    def _number(self, given: Fields, key: str, path: str, *, nonzero: bool = True) -> Expression | None:
+        """Return a number, None where it is not given or wrong; ``nonzero``: it must not be zero."""
         if key not in given:
             return None
         node, below = given[key][1], f"{path}.{key}"
@@ -169,10 +170,13 @@ class _Reading:
         value = constant(
             formula(node, below, self.problems), Scope({}, unchanging, Meter(), absent), self.problems
         )
-        if sign and isinstance(value, Number) and value.value == 0:
+        if value is None:
+            return None
+        found = sign(value)
+        if nonzero and found == 0:
             self.problems.add(node.problem(below, "this must not be zero"))
             return None
-        if key in {"max_gap", "unwrap"} and isinstance(value, Number) and value.value < 0:
+        if key in {"max_gap", "unwrap"} and found == -1:
             self.problems.add(node.problem(below, "a positive number is expected here"))
             return None
         return value
