@@ -55,6 +55,17 @@ def test_nees_and_nis_are_within_their_bands(system):
     assert found.nis.upper[-1] == pytest.approx(chi2.ppf(0.975, 40) / 40)
 
 
+def test_where_nothing_is_uncertain_nothing_is_normalised(system):
+    """A state that has decayed below the smallest number is known: P = 0, and P⁻¹ does not exist."""
+    decaying = "states: [x]\nA: [[-1]]\nH: [[1]]\nnoise: {R: 1, step: 100, P0_std: 1}\n"
+    found = drawn(system(decaying), stop=2000, runs=200)
+    assert found.claimed[-1] == 0
+    assert 0 < len(found.nees.t) < len(found.t)
+    assert found.nees.t[-1] < 800
+    assert np.isfinite(found.nees.average).all()
+    assert len(found.nis.t) == 21
+
+
 def test_a_seed_determines_the_runs_whatever_is_recorded(system):
     given = system(TURNING)
     one, again, few, other = drawn(given), drawn(given), drawn(given, recorded=5), drawn(given, seed=8)

@@ -47,7 +47,7 @@ class _Recorded:
     mean: Array
     rms: Array
     claimed: Array
-    nees: tuple[float, int]
+    nees: tuple[float, int] | None
     nis: tuple[float, int] | None
 
 
@@ -107,7 +107,7 @@ def monte_carlo(  # noqa: PLR0913 - the system, the runs, and what is kept of th
         np.array([one.rms for one in found]).reshape(shape),
         np.array([one.claimed for one in found]).reshape(shape),
         _consistency(done, [one.nees for one in found], runs),
-        _innovations(done, [one.nis for one in found], runs),
+        _consistency(done, [one.nis for one in found], runs),
         _CONFIDENCE,
         complete,
     )
@@ -156,25 +156,26 @@ def _recorded(known: Known, rows: Array, draws: Array, outputs: int) -> _Recorde
     )
 
 
-def _normalised(root: Array, errors: Array) -> tuple[float, int]:
-    """Return the sum over the draws of eᵀ P⁻¹ e on the range of P = L Lᵀ, and the rank of P."""
+def _normalised(root: Array, errors: Array) -> tuple[float, int] | None:
+    """Return the sum over the draws of eᵀ P⁻¹ e on the range of P = L Lᵀ, and its rank; None where P is 0."""
     units = np.maximum(np.linalg.norm(root, axis=1), np.finfo(float).tiny)[:, None]
     left, values, _ = np.linalg.svd(root / units)
     rank = int((values > _SINGULAR * values[0]).sum())
+    if not rank:
+        return None
     whitened = (left.T @ (errors / units))[:rank] / values[:rank, None]
     return float((whitened**2).sum()), rank
 
 
-def _consistency(t: Array, sums: Sequence[tuple[float, int]], runs: int) -> Consistency:
+def _consistency(t: Array, found: Sequence[tuple[float, int] | None], runs: int) -> Consistency | None:
+    """Return the averages at the instants that have one; None where none has."""
+    at = [k for k, one in enumerate(found) if one is not None]
+    sums = [one for one in found if one is not None]
+    if not sums:
+        return None
     total, degrees = np.array(sums, dtype=float).reshape(-1, 2).T
     degrees = degrees * runs
     lower, upper = chi_squared_band(degrees, _CONFIDENCE)
     average = total / degrees
     inside = (average >= lower) & (average <= upper)
-    return Consistency(t, average, lower, upper, degrees, float(inside.mean()) if len(t) else 0.0)
-
-
-def _innovations(t: Array, found: Sequence[tuple[float, int] | None], runs: int) -> Consistency | None:
-    at = [k for k, one in enumerate(found) if one is not None]
-    sums = [one for one in found if one is not None]
-    return _consistency(t[at], sums, runs) if sums else None
+    return Consistency(t[at], average, lower, upper, degrees, float(inside.mean()))

@@ -122,7 +122,7 @@ class MonteCarlo:
     t : instants recorded, shape (k,)
     mean, rms : of the errors over the runs, shape (k, r)
     claimed : σ of the filter at the same instants, shape (k, r)
-    nees : normalised estimation error squared, eᵀ P⁻¹ e
+    nees : normalised estimation error squared, eᵀ P⁻¹ e; None: P is zero all the time
     nis : normalised innovation squared, νᵀ S⁻¹ ν; None: no output is sampled
     confidence : of the bands, 0.95
     """
@@ -135,7 +135,7 @@ class MonteCarlo:
     mean: Array
     rms: Array
     claimed: Array
-    nees: Consistency
+    nees: Consistency | None
     nis: Consistency | None
     confidence: float
     complete: bool = True

@@ -50,8 +50,8 @@ def _stage_columns(found: Simulation) -> dict[str, dict[float, float]]:
     if runs is not None:
         columns |= _named("mean", runs.names, runs.t, runs.mean)
         columns |= _named("rms", runs.names, runs.t, runs.rms)
-        columns |= _of_consistency("nees", runs.nees)
-        columns |= {} if runs.nis is None else _of_consistency("nis", runs.nis)
+        for what, one in (("nees", runs.nees), ("nis", runs.nis)):
+            columns |= {} if one is None else _of_consistency(what, one)
     return columns
 
 

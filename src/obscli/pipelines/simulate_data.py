@@ -158,7 +158,7 @@ def _monte_carlo(found: MonteCarlo) -> dict[str, object]:
         "mean": _by_form(found.names, found.mean),
         "rms": _by_form(found.names, found.rms),
         "claimed": _by_form(found.names, found.claimed),
-        "nees": _consistency(found.nees),
+        "nees": None if found.nees is None else _consistency(found.nees),
         "nis": None if found.nis is None else _consistency(found.nis),
     }
 

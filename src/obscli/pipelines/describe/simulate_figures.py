@@ -45,7 +45,7 @@ def simulate_figures(results: Iterable[SimulateResult]) -> Iterator[Figure]:
             yield from _mismatch(result.title, time, found.mismatch)
         if found.initial is not None:
             yield from _mean(result, found, found.initial)
-        if found.monte_carlo is not None:
+        if found.monte_carlo is not None and (found.monte_carlo.nees or found.monte_carlo.nis):
             yield _consistency(result.title, time, found.monte_carlo)
     yield from _together([(one, one.found) for one in results if not isinstance(one.found, NotComputed)])
 
@@ -201,8 +201,8 @@ def _mean(result: SimulateResult, found: Simulation, one: Initial) -> Iterator[F
 
 def _consistency(title: str, time: str, found: MonteCarlo) -> Figure:
     """Return NEES and NIS against time with their bands."""
-    parts = [("NEES", found.nees), *([("NIS", found.nis)] if found.nis is not None else [])]
-    panels = tuple(_band(name, one, found.confidence) for name, one in parts)
+    parts = [("NEES", found.nees), ("NIS", found.nis)]
+    panels = tuple(_band(name, one, found.confidence) for name, one in parts if one is not None)
     return Figure(f"{title}-consistency", f"{title}: {found.runs} random runs", time, panels)
 
 

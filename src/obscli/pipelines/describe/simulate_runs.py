@@ -109,11 +109,13 @@ def judged(name: str, found: Consistency, confidence: float, *, independent: boo
 
 
 def judgements(found: MonteCarlo) -> tuple[Judgement, ...]:
-    """Return NEES, and NIS where something is sampled."""
-    nees = judged("NEES", found.nees, found.confidence, independent=False)
-    if found.nis is None:
-        return (nees,)
-    return nees, judged("NIS", found.nis, found.confidence, independent=True)
+    """Return NEES where something is uncertain, and NIS where something is sampled."""
+    parts = (("NEES", found.nees, False), ("NIS", found.nis, True))
+    return tuple(
+        judged(name, one, found.confidence, independent=independent)
+        for name, one, independent in parts
+        if one is not None
+    )
 
 
 def demanded(demands: Iterable[Demand], name: str) -> tuple[Cell, Cell]:
@@ -178,7 +180,10 @@ def _runs_verdict(told: tuple[Judgement, ...]) -> VerdictLine:
     above = [one.name for one in told if one.refuted and one.side == "above"]
     below = [one.name for one in told if one.refuted and one.side == "below"]
     kind: Kind = "bad" if above else "open" if outside else "good"
-    if above and below:
+    if not told:
+        kind = "open"
+        words = "not decided: the filter claims to know everything, and no output is sampled"
+    elif above and below:
         words = f"inconsistent: {' and '.join(above)} above the band, {' and '.join(below)} below"
     elif above:
         words = f"optimistic: errors are larger than the filter claims ({' and '.join(above)} above the band)"
