@@ -281,6 +281,9 @@ def test_the_posterior_is_that_of_the_prior_whatever_the_units(system):
         (1, None, "nothing says how often"),
         (0.05, 0.1, "no two samples"),
         (1, -1, "--step"),
+        (1, 1e-300, "1e-300 makes 1e\\+300 samples of each window; 100000 at the most"),
+        (1e300, 0.1, "does not fit"),
+        (0.01, 2e-7, "a step of 2e-07 makes 5e\\+07 windows; 20000000 at the most"),
     ],
 )
 def test_windows_that_cannot_be(system, length, step, words):

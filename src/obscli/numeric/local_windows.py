@@ -22,10 +22,14 @@ from obscli.numeric.schedule import sampled_within
 from obscli.numeric.subspace import Subspaces, subspaces
 from obscli.numeric.window_measures import Weights, WindowValues, window_values
 from obscli.numeric.window_scaling import WindowScaling
+from obscli.numeric.windows import MOST_WINDOWS, require_fewer
 
 
 #: Numbers (of 8 bytes) of one stack held at a time.
 _CHUNK: Final = 1_000_000
+
+#: Samples in a window at the most.
+MOST_SAMPLES: Final = 100_000
 
 #: A sample, or a window, still fits if it is late by so much of a step.
 _FITS: Final = 1e-6
@@ -73,21 +77,21 @@ def sampling_of(numeric: NumericSystem, settings: WindowSettings, start: float, 
     Raises
     ------
     UnfitRequestError
-        where nothing says how often, no sample fits into a window, or no window into the interval
+        where nothing says how often, no sample fits into a window, no window into the interval, or too many
     """
     length, step = settings.length, settings.step
     for name, value in (("--window", length), ("--step", step)):
         if value is not None and not 0 < value < np.inf:
             raise UnfitRequestError(f"{name} {value:g}: a positive number is expected")
-    if is_discrete(numeric) and not (length.is_integer() and (step is None or step.is_integer())):
+    if numeric.system.discrete and not (length.is_integer() and (step is None or step.is_integer())):
         raise UnfitRequestError("--window and --step of a discrete-time model are whole numbers of steps")
     given = [one for one in steps_of(numeric.system) if one is not None]
-    h = 1.0 if is_discrete(numeric) else min(given) if given else step
+    h = 1.0 if numeric.system.discrete else min(given) if given else step
     if h is None:
         raise UnfitRequestError(
             "nothing says how often outputs are sampled: give --step, or `step` under `noise`"
         )
-    samples = int(np.ceil(length / h - _FITS))
+    samples = float(np.ceil(length / h - _FITS))
     if length < h * (1 - _FITS):
         raise UnfitRequestError(f"a window of {length:g} holds no two samples, which are {h:g} apart")
     room = stop - start - (samples - 1) * h
@@ -96,13 +100,11 @@ def sampling_of(numeric: NumericSystem, settings: WindowSettings, start: float, 
             f"a window of {length:g} does not fit into the interval from {start:g} to {stop:g}: "
             "choose a shorter one or a longer interval (--from, --to)"
         )
+    require_fewer(samples, MOST_SAMPLES, "samples of each window", "time between samples", h)
     apart = step or h
-    return Sampling(start, apart, int(max(room, 0.0) / apart + _FITS) + 1, h, samples)
-
-
-def is_discrete(numeric: NumericSystem) -> bool:
-    """Whether A is the matrix of x(k+1) = A x(k), so that nothing is to be integrated."""
-    return bool(getattr(numeric.system, "discrete", False))
+    count = max(room, 0.0) / apart + _FITS
+    require_fewer(count, MOST_WINDOWS, "windows", "step", apart)
+    return Sampling(start, apart, int(count) + 1, h, int(samples))
 
 
 def window_series(
@@ -154,7 +156,7 @@ def forms_at(numeric: NumericSystem, t: Array) -> Array:
 
 def stack_at(numeric: NumericSystem, sampling: Sampling, settings: WindowSettings, t: Array) -> LocalStack:
     """Return R of windows that start at t, in the file's units; a row that is not sampled is zero."""
-    if settings.frozen and is_discrete(numeric):
+    if settings.frozen and numeric.system.discrete:
         found = frozen_stack(numeric.coefficients(t), numeric.moving, "continuous", sampling.samples, 1.0)
     elif settings.frozen:
         h = 1.0 if settings.form == "continuous" else sampling.h
@@ -162,7 +164,7 @@ def stack_at(numeric: NumericSystem, sampling: Sampling, settings: WindowSetting
         found = frozen_stack(numeric.coefficients(t), numeric.moving, settings.form, count, h)
     else:
         found = _true(numeric, sampling, t)
-    if settings.form == "continuous" and not is_discrete(numeric):
+    if settings.form == "continuous" and not numeric.system.discrete:
         return found
     taken = sampled(numeric, t, sampling)[..., None]
     return LocalStack(found.rows * taken, found.error * taken)
@@ -189,7 +191,7 @@ def _true(numeric: NumericSystem, sampling: Sampling, t: Array) -> LocalStack:
     place = place.reshape(instants.shape)
     shared = instants.ravel()[first]
     found: Coefficients = numeric.coefficients(shared)
-    if is_discrete(numeric):
+    if numeric.system.discrete:
         steps, error = found.A[:-1], found.A_error[:-1] + EPS * np.abs(found.A[:-1])
     else:
         steps, error = sample_transitions(numeric, shared)

@@ -26,7 +26,7 @@ from obscli.numeric.sliding_root import sliding_gramians
 from obscli.numeric.square_root import square_root_gramian
 from obscli.numeric.subspace import Subspaces, subspaces
 from obscli.numeric.transition import edges_of, longest_step
-from obscli.numeric.windows import joined
+from obscli.numeric.windows import MOST_WINDOWS, joined, require_fewer
 
 
 _PROBES: Final = 18
@@ -62,7 +62,7 @@ def even_windows(start: float, stop: float, length: float, step: float) -> Windo
     Raises
     ------
     UnfitRequestError
-        where length or step is not positive, or no window fits
+        where length or step is not positive, no window fits, or there would be too many
     """
     if not (length > 0 and step > 0 and np.isfinite(length + step)):
         raise UnfitRequestError(
@@ -74,7 +74,9 @@ def even_windows(start: float, stop: float, length: float, step: float) -> Windo
             f"a window of {length:.6g} does not fit into the interval from {start:.6g} to {stop:.6g}: "
             "choose a shorter one or a longer interval (--from, --to)"
         )
-    i = np.arange(int(max(room, 0.0) / step * (1 + _WHOLE) + _WHOLE) + 1, dtype=np.float64)
+    count = max(room, 0.0) / step * (1 + _WHOLE) + _WHOLE
+    require_fewer(count, MOST_WINDOWS, "windows", "step", step)
+    i = np.arange(int(count) + 1, dtype=np.float64)
     starts = start + step * i
     whole = round(length / step)
     # stops and starts that coincide must be the same number

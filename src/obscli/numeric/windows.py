@@ -14,7 +14,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from obscli.numeric.errors import TooManyStepsError
+from obscli.numeric.errors import TooManyStepsError, UnfitRequestError
 from obscli.numeric.gramian import Gramian
 from obscli.numeric.program import Array
 from obscli.numeric.rates import Rates
@@ -24,6 +24,9 @@ from obscli.numeric.subspace import Subspaces
 #: Makes the subspaces at one instant t from the window (t − w, t).
 Windowed: TypeAlias = Callable[[float, float], Subspaces]
 
+#: Windows along an interval at the most: an hour of work.
+MOST_WINDOWS: Final = 20_000_000
+
 _LONGEST: Final = 100.0
 _HALVINGS: Final = 7
 
@@ -32,6 +35,18 @@ _AMPLIFIED: Final = 1e-11
 
 #: The logarithm of the growth over a window from which on information may drown.
 _RISKY: Final = 12.0
+
+
+def require_fewer(count: float, most: int, what: str, name: str, step: float) -> None:
+    """Refuse a step with which there are too many of something.
+
+    Raises
+    ------
+    UnfitRequestError
+        where the count is beyond the most there may be
+    """
+    if not count <= most:
+        raise UnfitRequestError(f"a {name} of {step:g} makes {count:.3g} {what}; {most} at the most")
 
 
 def windowed(instants: Array, w: float, at: Windowed) -> Subspaces:

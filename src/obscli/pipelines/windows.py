@@ -17,7 +17,6 @@ from obscli.numeric.local_stack import frozen_stack
 from obscli.numeric.local_windows import (
     WindowSettings,
     forms_at,
-    is_discrete,
     sampling_of,
     window_series,
 )
@@ -26,6 +25,7 @@ from obscli.numeric.piecewise_constant import PiecewiseConstant, Segments, piece
 from obscli.numeric.rates import rates_of
 from obscli.numeric.window_measures import WindowValues, joined
 from obscli.numeric.window_scaling import WindowScaling, window_scaling
+from obscli.numeric.windows import MOST_WINDOWS
 from obscli.pipelines.numerical import settings_of
 from obscli.pipelines.reading import chosen_systems
 from obscli.pipelines.request import Changes, Progress, RequestError, WindowsRequest, silent
@@ -132,8 +132,10 @@ def _segments(
 ) -> PiecewiseConstant | NotComputed:
     """Return what segments as long as a window show, one after the other."""
     count = int((horizon.stop - horizon.start) / length * (1 + 1e-9))
+    if count > MOST_WINDOWS:
+        return NotComputed(f"{count} segments as long as a window; {MOST_WINDOWS} at the most")
     starts = horizon.start + length * np.arange(count, dtype=float)
-    h, discrete = 1.0, is_discrete(numeric)
+    h, discrete = 1.0, numeric.system.discrete
     if not discrete:
         rates = rates_of(numeric, starts[[0, count // 2, -1]])
         h = min(length, 1 / rates.dynamics) if rates.dynamics else length
