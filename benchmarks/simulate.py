@@ -89,15 +89,17 @@ def textbook(system, schedule, _forms) -> str:
 
 def mismatch(system, schedule, forms) -> str:
     from obscli.numeric.mismatched import mismatch_history
+    from obscli.numeric.recorded_errors import recorded_errors
 
-    found = mismatch_history(system, system, schedule, schedule, forms)
+    found = mismatch_history(recorded_errors(system, schedule, forms, filter_=system))
     return f"true/claimed − 1 ≤ {abs(found.true / found.claimed - 1).max():.0e}"
 
 
 def runs(system, schedule, forms) -> str:
     from obscli.numeric.monte_carlo import monte_carlo
+    from obscli.numeric.recorded_errors import recorded_errors
 
-    found = monte_carlo(system, schedule, forms, 200, 1)
+    found = monte_carlo(recorded_errors(system, schedule, forms, 200), 200, 1)
     return f"inside: NEES {found.nees.inside:.3f}, NIS {found.nis.inside:.3f}"
 
 

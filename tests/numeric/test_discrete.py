@@ -17,6 +17,7 @@ from obscli.numeric.mismatched import mismatch_history
 from obscli.numeric.monte_carlo import monte_carlo
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.partners import knowledge
+from obscli.numeric.recorded_errors import recorded_errors
 from obscli.numeric.riccati import cross_check
 from obscli.numeric.schedule import schedule_of
 from obscli.numeric.settings import Effort, Settings
@@ -225,7 +226,7 @@ def test_a_step_asked_for_is_refused():
 def test_a_filter_on_its_own_model_claims_what_is_true():
     given = read(TURNING + NOISE)
     schedule = schedule_of(given, 0.0, 12.0)
-    found = mismatch_history(given, given, schedule, schedule, forms_of(given))
+    found = mismatch_history(recorded_errors(given, schedule, forms_of(given), filter_=given))
     assert found.true == pytest.approx(found.claimed, rel=1e-9)
 
 
@@ -234,7 +235,7 @@ def test_a_filter_on_a_wrong_model():
     truth = read("states: [x]\nF: [[0.9]]\nH: [[1]]\nnoise: {R: 1, Q: 0.5, P0_std: 2}\n")
     own = read("states: [x]\nF: [[0.5]]\nH: [[1]]\nnoise: {R: 1, Q: 0.5, P0_std: 2}\n")
     schedule = schedule_of(truth, 0.0, 6.0)
-    found = mismatch_history(truth, own, schedule, schedule, forms_of(own))
+    found = mismatch_history(recorded_errors(truth, schedule, forms_of(own), filter_=own))
     P, joint = 4.0, np.full((2, 2), 4.0)
     for k in range(7):
         gain = P / (P + 1)
@@ -250,7 +251,7 @@ def test_a_filter_on_a_wrong_model():
 
 def test_random_runs_are_consistent():
     given = read(TURNING + NOISE)
-    found = monte_carlo(given, schedule_of(given, 0.0, 12.0), forms_of(given), 400, 1)
+    found = monte_carlo(recorded_errors(given, schedule_of(given, 0.0, 12.0), forms_of(given)), 400, 1)
     assert found.rms[-1] == pytest.approx(found.claimed[-1], rel=0.15)
     assert found.nees.inside > 0.7
 

@@ -15,6 +15,7 @@ from obscli.numeric.linear_forms import forms_of
 from obscli.numeric.mean_response import mean_response
 from obscli.numeric.mismatched import mismatch_history
 from obscli.numeric.monte_carlo import monte_carlo
+from obscli.numeric.recorded_errors import recorded_errors
 from obscli.numeric.schedule import schedule_of
 
 
@@ -53,7 +54,8 @@ def responds(given, initial, stop, design=None, start=0, **options):
     own = design or given
     schedules = [schedule_of(one, start, stop) for one in (given, own)]
     other = {} if design is None else {"filter_": design, "filter_schedule": schedules[1]}
-    return mean_response(given, schedules[0], forms_of(own), np.array(initial), 5000, **other, **options)
+    run = recorded_errors(given, schedules[0], forms_of(own), 5000, **other, **options)
+    return mean_response(run, np.array(initial))
 
 
 def by_hand(initial, stop, taken):
@@ -122,10 +124,13 @@ def test_of_equal_models_errors_are_the_same_whatever_is_fed_back(system, text, 
 def test_deviations_and_runs_of_equal_models_are_the_same_with_feedback(system):
     given = system(TURNING)
     schedule, forms = schedule_of(given, 0, 10), forms_of(given)
-    found = mismatch_history(given, given, schedule, schedule, forms, feedback=Feedback())
+    found = mismatch_history(recorded_errors(given, schedule, forms, filter_=given, feedback=Feedback()))
     alone = covariance_history(given, schedule, forms)
     assert found.true == pytest.approx(alone.deviations, rel=1e-10)
-    one, other = (monte_carlo(given, schedule, forms, 20, 3, feedback=way) for way in (None, Feedback()))
+    one, other = (
+        monte_carlo(recorded_errors(given, schedule, forms, feedback=way), 20, 3)
+        for way in (None, Feedback())
+    )
     assert other.rms == pytest.approx(one.rms, rel=1e-10)
     assert other.nees.average == pytest.approx(one.nees.average, rel=1e-8)
 
@@ -134,17 +139,16 @@ def test_true_deviations_are_those_of_the_runs_with_feedback(system):
     truth, design = system(TRUE), system(FILTER)
     schedules = [schedule_of(one, 0, 20) for one in (truth, design)]
     way = Feedback(("x", "v"))
-    found = mismatch_history(truth, design, *schedules, forms_of(design), feedback=way)
-    runs = monte_carlo(
+    run = recorded_errors(
         truth,
         schedules[0],
         forms_of(design),
-        2000,
-        1,
+        200,
         filter_=design,
         filter_schedule=schedules[1],
         feedback=way,
     )
+    found, runs = mismatch_history(run), monte_carlo(run, 2000, 1)
     place = [int(np.abs(found.t - t).argmin()) for t in runs.t]
     assert (np.abs(runs.rms / found.true[place] - 1) < 5 / np.sqrt(4000)).all()
 

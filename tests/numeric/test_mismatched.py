@@ -12,6 +12,8 @@ from obscli.numeric.errors import NotComputableError
 from obscli.numeric.kalman import covariance_history
 from obscli.numeric.linear_forms import forms_of
 from obscli.numeric.mismatched import mismatch_history
+from obscli.numeric.progress import silent
+from obscli.numeric.recorded_errors import recorded_errors
 from obscli.numeric.schedule import schedule_of
 
 
@@ -25,9 +27,10 @@ quantities: {{turned: cos(t)*x + sin(t)*y}}
 MEAN = "states: [x]\nA: [[0]]\nmeasurements: {{y: x}}\nnoise: {{R: {R}, step: {step}, P0_std: {sigma}}}\n"
 
 
-def both(truth, design, start, stop, **options):
-    schedules = (schedule_of(one, start, stop) for one in (truth, design))
-    return mismatch_history(truth, design, *schedules, forms_of(design), **options)
+def both(truth, design, start, stop, progress=silent, **options):
+    true, own = (schedule_of(one, start, stop) for one in (truth, design))
+    run = recorded_errors(truth, true, forms_of(design), filter_=design, filter_schedule=own, **options)
+    return mismatch_history(run, progress)
 
 
 @pytest.mark.parametrize("more", ["", ", Q: {x: 0.1, b: 0.01}"])
@@ -198,4 +201,4 @@ def test_both_start_at_the_same_time(system):
     given = system(MEAN.format(R=1, step=1, sigma=2))
     schedules = schedule_of(given, 0, 10), schedule_of(given, 5, 10)
     with pytest.raises(NotComputableError, match="starts at 5, the true model at 0"):
-        mismatch_history(given, given, *schedules, forms_of(given))
+        recorded_errors(given, schedules[0], forms_of(given), filter_=given, filter_schedule=schedules[1])

@@ -9,6 +9,7 @@ from obscli.numeric.kalman import covariance_history
 from obscli.numeric.linear_forms import forms_of
 from obscli.numeric.mismatched import mismatch_history
 from obscli.numeric.monte_carlo import monte_carlo
+from obscli.numeric.recorded_errors import recorded_errors
 from obscli.numeric.schedule import schedule_of
 
 
@@ -28,8 +29,14 @@ noise: {R: [[0.04, 0.05], [0.05, 0.25]], step: 0.5, P0_std: [1, 2], Q: {x: 0.1}}
 RUNS = 2000
 
 
-def drawn(given, stop=10, runs=RUNS, seed=7, **options):
-    return monte_carlo(given, schedule_of(given, 0, stop), forms_of(given), runs, seed, **options)
+def drawn(given, stop=10, runs=RUNS, seed=7, recorded=200, **options):
+    run = recorded_errors(given, schedule_of(given, 0, stop), forms_of(given), recorded)
+    return monte_carlo(run, runs, seed, **options)
+
+
+def errors_of(truth, design):
+    true, own = (schedule_of(one, 0, 10) for one in (truth, design))
+    return recorded_errors(truth, true, forms_of(design), 200, filter_=design, filter_schedule=own)
 
 
 def test_errors_spread_as_the_filter_claims(system):
@@ -78,10 +85,8 @@ def test_a_seed_determines_the_runs_whatever_is_recorded(system):
 
 def test_runs_of_a_mismatched_filter_spread_as_the_true_covariance(system):
     truth, design = system(TURNING), system(WITHOUT_B)
-    schedules = [schedule_of(one, 0, 10) for one in (truth, design)]
-    forms = forms_of(design)
-    found = monte_carlo(truth, schedules[0], forms, RUNS, 3, filter_=design, filter_schedule=schedules[1])
-    expected = mismatch_history(truth, design, *schedules, forms, recorded=200)
+    run = errors_of(truth, design)
+    found, expected = monte_carlo(run, RUNS, 3), mismatch_history(run)
     assert found.t == pytest.approx(expected.t)
     assert found.claimed == pytest.approx(expected.claimed, rel=1e-9)
     assert (np.abs(found.rms / expected.true - 1) < 5 / np.sqrt(2 * RUNS)).all()
@@ -95,10 +100,7 @@ def test_runs_of_a_mismatched_filter_spread_as_the_true_covariance(system):
 def test_a_filter_that_trusts_too_little_is_below_the_band(system):
     truth = system(TURNING)
     design = system(TURNING.replace("[[0.04, 0.05], [0.05, 0.25]]", "[[0.4, 0.5], [0.5, 2.5]]"))
-    schedules = [schedule_of(one, 0, 10) for one in (truth, design)]
-    found = monte_carlo(
-        truth, schedules[0], forms_of(design), 500, 3, filter_=design, filter_schedule=schedules[1]
-    )
+    found = monte_carlo(errors_of(truth, design), 500, 3)
     assert (found.nis.average < found.nis.lower).mean() > 0.9
 
 

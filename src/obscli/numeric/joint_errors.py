@@ -14,7 +14,7 @@ follows the sample; it changes nothing for equal models.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final, Protocol
 
@@ -65,6 +65,7 @@ class Known:
     filter_transition : Φ_f, shape (n_f, n_f)
     error_transition : from (z, ε) to e, shape (n_f, n_x + n_f)
     innovation : S^−½ ν of the draws, shape (m, c); None: no draws, or no sample
+    outputs : how many outputs of the filter are sampled then
     """
 
     index: int
@@ -72,20 +73,21 @@ class Known:
     filter_transition: Array
     error_transition: Array
     innovation: Array | None
+    outputs: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Outputs:
-    """On a panel, in units of the noise that the filter expects: B, (D B), W R^½; at which instants."""
+    """On a panel, in units of the noise that the filter expects: B, (D B), W R^½; how many are sampled."""
 
     rows: Array
     joint: Array
     noise: Array
-    sampled: Flags
+    count: Counts
 
     def taken(self, k: int, root: Array, entered: Array | None, errors: Errors) -> tuple[Array, Array | None]:
         """Correct the errors by the sample at an instant; return L after driving noise and it, S^−½ ν."""
-        if not self.sampled[k]:
+        if not self.count[k]:
             return (root if entered is None else compressed([root, entered])), None
         root, S, gain = measured(root, self.rows[k], entered)
         inverse = np.linalg.inv(S)
@@ -181,15 +183,20 @@ class Pair:
                     "expression, or give both models the same functions in the same order"
                 )
 
-    def follow(self, errors: Errors, timeline: Timeline, marks: Flags, progress: Progress) -> Iterator[Known]:
-        """Run the filter on the errors, and yield what is known at the marks.
+    def follow(
+        self, errors: Errors, root: Array, timeline: Timeline, marks: Flags, progress: Progress
+    ) -> Generator[Known, None, Array]:
+        """Run the filter on the errors, and yield what is known at the marks; return L at the end.
+
+        Parameters
+        ----------
+        root : L before the first sample, shape (n_f, n_f)
 
         Raises
         ------
         NotComputableError
             where the covariance is beyond all numbers
         """
-        root = self.design.prior
         for true, own in self._stretches(timeline):
             part = slice(own.first, own.first + len(own.rows))
             progress(timeline.progress(part.start))
@@ -199,14 +206,16 @@ class Pair:
                     errors.add(self.joint(true.noise[k]))
                 entered = None if own.noise is None else own.noise[k]
                 root, innovation = outputs.taken(k, root, entered, errors)
-                if outputs.sampled[k]:
+                if outputs.count[k]:
                     self._feed_back(true.transition[k], own.transition[k], root, errors)
                 if marks[own.first + k]:
                     refuse_infinite(timeline.t[own.first + k], root, errors.columns)
-                    to_errors = self._to_errors(true, own, k)
-                    yield Known(own.first + k, root, own.transition[k], to_errors, innovation)
+                    to_errors = self._errors_by(true.transition[k], own.transition[k])
+                    count = outputs.count[k]
+                    yield Known(own.first + k, root, own.transition[k], to_errors, innovation, count)
             root = own.onward @ root
             errors.move(self._onward(true, own))
+        return root
 
     def _stretches(self, timeline: Timeline) -> Iterator[tuple[Stretch, Stretch]]:
         """Yield the panels of the truth and of the filter side by side."""
@@ -228,14 +237,11 @@ class Pair:
     def _outputs_of(self, true: Stretch, own: Stretch, sample: Counts) -> _Outputs:
         whitening = self.design.whitening(sample)
         rows = whitening @ own.rows
+        count: Counts = np.where(sample >= 0, self.design.schedule.sampled[sample].sum(axis=1), 0)
         if self.own:
-            return _Outputs(rows, rows, whitening @ self._noise, sample >= 0)
+            return _Outputs(rows, rows, whitening @ self._noise, count)
         others = whitening @ (self._outputs @ true.rows) - rows @ self.common
-        return _Outputs(rows, np.concatenate([others, rows], axis=2), whitening @ self._noise, sample >= 0)
-
-    def _to_errors(self, true: Stretch, own: Stretch, k: int) -> Array:
-        """Return what takes (z, ε) to e at an instant of a panel."""
-        return self._errors_by(true.transition[k], own.transition[k])
+        return _Outputs(rows, np.concatenate([others, rows], axis=2), whitening @ self._noise, count)
 
     def _errors_by(self, true_part: Array, own_part: Array) -> Array:
         """Return what takes (z, ε) to e where Φ moves the truth and Φ_f the estimate."""

@@ -10,50 +10,27 @@ from __future__ import annotations
 
 import numpy as np
 
-from obscli.model.system import System
-from obscli.numeric.feedback import Feedback
 from obscli.numeric.joint_errors import Known
-from obscli.numeric.linear_forms import Forms
 from obscli.numeric.program import Array
 from obscli.numeric.progress import Progress, silent
-from obscli.numeric.recorded_errors import recorded_errors
-from obscli.numeric.schedule import Schedule
+from obscli.numeric.recorded_errors import RecordedErrors
 from obscli.numeric.simulation_finding import MeanResponse
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what is not finite is refused
-def mean_response(  # noqa: PLR0913 - the system, the error, and what is kept of it
-    system: System,
-    schedule: Schedule,
-    forms: Forms,
-    initial: Array,
-    recorded: int = 500,
-    progress: Progress = silent,
-    *,
-    filter_: System | None = None,
-    filter_schedule: Schedule | None = None,
-    feedback: Feedback | None = None,
-) -> MeanResponse:
-    """Return the mean errors of a filter on ``system``, one of its own model or of ``filter_``.
+def mean_response(run: RecordedErrors, initial: Array, progress: Progress = silent) -> MeanResponse:
+    """Return the mean errors of a filter after an initial error.
 
     Parameters
     ----------
-    system, schedule : the truth
-    forms : of the filter's states
+    run : the filter on the truth
     initial : e₀, the error of the truth's states before the first sample, shape (n_x,)
-    recorded : at how many instants at the most
     progress : told where the filter is; an interrupt keeps what is done
-    filter_, filter_schedule : what the filter was designed on, where that is not the truth
-    feedback : what is fed back after each sample; None: nothing, output correction
 
     Raises
     ------
     NotComputableError
-        as for ``mismatch_history``
+        where the covariance is beyond all numbers
     """
-    run = recorded_errors(
-        system, schedule, forms, recorded, filter_=filter_, filter_schedule=filter_schedule, feedback=feedback
-    )
     pair = run.pair
     errors = _Response(pair.joint(initial[:, None]), pair.states)
     before = run.rows[0] @ pair.common @ initial
@@ -63,6 +40,7 @@ def mean_response(  # noqa: PLR0913 - the system, the error, and what is kept of
         return response
 
     found, complete = run.look(errors, seen, progress)
+    forms = run.forms
     mean = np.array(found).reshape(len(found), len(forms.names))
     return MeanResponse(forms.names, forms.kinds, run.t[: len(found)], before, mean, complete)
 

@@ -19,15 +19,11 @@ from typing import Final
 
 import numpy as np
 
-from obscli.model.system import System
-from obscli.numeric.feedback import Feedback
 from obscli.numeric.joint_errors import Known
 from obscli.numeric.kalman import deviations
-from obscli.numeric.linear_forms import Forms
 from obscli.numeric.program import Array
 from obscli.numeric.progress import Progress, silent
-from obscli.numeric.recorded_errors import recorded_errors
-from obscli.numeric.schedule import Schedule
+from obscli.numeric.recorded_errors import RecordedErrors
 from obscli.numeric.simulation_finding import MismatchHistory
 from obscli.numeric.square_root_filter import compressed
 
@@ -36,42 +32,19 @@ from obscli.numeric.square_root_filter import compressed
 _GATHERED: Final = 4
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what is not finite is refused
-def mismatch_history(  # noqa: PLR0913 - two systems, and what is kept of them
-    truth: System,
-    filter_: System,
-    truth_schedule: Schedule,
-    filter_schedule: Schedule,
-    forms: Forms,
-    recorded: int = 500,
-    progress: Progress = silent,
-    *,
-    feedback: Feedback | None = None,
-) -> MismatchHistory:
+def mismatch_history(run: RecordedErrors, progress: Progress = silent) -> MismatchHistory:
     """Return the claimed and the true deviations of forms in the filter's states.
 
     Parameters
     ----------
-    forms : of the filter; a state that the truth does not have is zero there
-    recorded : at how many instants at the most
+    run : the filter on the truth; a state that the truth does not have is zero there
     progress : told where the filter is; an interrupt keeps what is done
-    feedback : what is fed back after each sample; None: nothing, output correction
 
     Raises
     ------
     NotComputableError
-        where a state has no P0, the filter takes samples that the truth does not have, or a system cannot be
-        integrated
+        where the covariance is beyond all numbers
     """
-    run = recorded_errors(
-        truth,
-        truth_schedule,
-        forms,
-        recorded,
-        filter_=filter_,
-        filter_schedule=filter_schedule,
-        feedback=feedback,
-    )
     joint = _Root(run.pair.prior, run.pair.states)
 
     def seen(known: Known, rows: Array) -> tuple[Array, Array]:
@@ -79,6 +52,8 @@ def mismatch_history(  # noqa: PLR0913 - two systems, and what is kept of them
         return claimed, deviations(rows @ known.error_transition, joint.columns)
 
     found, complete = run.look(joint, seen, progress)
+    forms = run.forms
+    truth, design = (one.numeric.system.state_names for one in (run.pair.truth, run.pair.design))
     claimed, true = np.array(found).reshape(-1, 2, len(forms.names)).swapaxes(0, 1)
     done = run.t[: len(found)]
     return MismatchHistory(
@@ -87,8 +62,8 @@ def mismatch_history(  # noqa: PLR0913 - two systems, and what is kept of them
         done,
         claimed,
         true,
-        tuple(name for name in truth.state_names if name not in filter_.state_names),
-        filter_schedule.samples_until(done),
+        tuple(name for name in truth if name not in design),
+        run.samples_until(done),
         complete,
     )
 

@@ -21,16 +21,12 @@ from typing import Final
 
 import numpy as np
 
-from obscli.model.system import System
 from obscli.numeric.chi_squared import chi_squared_band
 from obscli.numeric.errors import NotComputableError
-from obscli.numeric.feedback import Feedback
 from obscli.numeric.joint_errors import Known
-from obscli.numeric.linear_forms import Forms
 from obscli.numeric.program import Array
 from obscli.numeric.progress import Progress, silent
-from obscli.numeric.recorded_errors import recorded_errors
-from obscli.numeric.schedule import Schedule
+from obscli.numeric.recorded_errors import RecordedErrors
 from obscli.numeric.simulation_finding import Consistency, MonteCarlo
 
 
@@ -51,51 +47,30 @@ class _Recorded:
     nis: tuple[float, int] | None
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what is not finite is refused
-def monte_carlo(  # noqa: PLR0913 - the system, the runs, and what is kept of them
-    system: System,
-    schedule: Schedule,
-    forms: Forms,
-    runs: int,
-    seed: int,
-    recorded: int = 200,
-    progress: Progress = silent,
-    *,
-    filter_: System | None = None,
-    filter_schedule: Schedule | None = None,
-    feedback: Feedback | None = None,
-) -> MonteCarlo:
-    """Return how the errors of a filter on ``system`` spread, one of its own model or of ``filter_``.
+def monte_carlo(run: RecordedErrors, runs: int, seed: int, progress: Progress = silent) -> MonteCarlo:
+    """Return how the errors of a filter spread.
 
     Parameters
     ----------
-    system, schedule : the truth
-    forms : of the filter's states
+    run : the filter on the truth
     runs, seed : how many, and the seed of the generator
-    recorded : at how many instants at the most
     progress : told where the runs are; an interrupt keeps what is done
-    filter_, filter_schedule : what the filter was designed on, where that is not the truth
-    feedback : what is fed back after each sample; None: nothing, output correction
 
     Raises
     ------
     NotComputableError
-        as for ``mismatch_history``, and for less than one run
+        where the covariance is beyond all numbers, or for less than one run
     """
     if runs < 1:
         raise NotComputableError(f"{runs} runs: at least one is needed (--runs)")
-    run = recorded_errors(
-        system, schedule, forms, recorded, filter_=filter_, filter_schedule=filter_schedule, feedback=feedback
-    )
     pair = run.pair
     draws = _Draws(pair.prior, pair.states, np.random.Generator(np.random.PCG64(seed)), runs)
 
     def seen(known: Known, rows: Array) -> _Recorded:
-        outputs = pair.design.schedule.sampled[run.timeline.sample[known.index]]
-        return _recorded(known, rows, draws.columns, int(outputs.sum()))
+        return _recorded(known, rows, draws.columns)
 
     found, complete = run.look(draws, seen, progress)
-    done = run.t[: len(found)]
+    done, forms = run.t[: len(found)], run.forms
     shape = (len(found), len(forms.names))
     return MonteCarlo(
         forms.names,
@@ -142,11 +117,11 @@ class _Draws:
         return found
 
 
-def _recorded(known: Known, rows: Array, draws: Array, outputs: int) -> _Recorded:
+def _recorded(known: Known, rows: Array, draws: Array) -> _Recorded:
     errors = known.error_transition @ draws
     root = known.filter_transition @ known.root
     forms = rows @ errors
-    nis = None if known.innovation is None else (float((known.innovation**2).sum()), outputs)
+    nis = None if known.innovation is None else (float((known.innovation**2).sum()), known.outputs)
     return _Recorded(
         forms.mean(axis=1),
         np.sqrt((forms**2).mean(axis=1)),

@@ -1,13 +1,16 @@
 """The errors of a filter along its interval, looked at where they are recorded.
 
-The filter is designed on the truth, or on another model; see ``joint_errors`` for the errors.
+The filter is designed on the truth, or on another model; see ``joint_errors`` for the errors. An interval of
+segments has several parts, one after the other; errors and deviations jump between them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
+
+import numpy as np
 
 from obscli.model.system import System
 from obscli.numeric.feedback import Feedback
@@ -23,18 +26,47 @@ _Seen = TypeVar("_Seen")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class RecordedErrors:
-    """A filter on a truth, and where its errors are recorded.
-
-    ``t``: these instants, shape (k,); ``rows``: the forms in the filter's states there, shape (k, r, n_f).
-    """
+class Part:
+    """A filter on a truth for some time, and where its errors are recorded; ``jump``: J at its end."""
 
     pair: Pair
     timeline: Timeline
     marks: Flags
+    jump: Array | None = None
+
+    @property
+    def t(self) -> Array:
+        """The instants recorded."""
+        return self.timeline.t[self.marks]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordedErrors:
+    """The errors of a filter, recorded.
+
+    Parameters
+    ----------
+    forms : what is looked at, of the filter's states, r of them
+    parts : of the interval, one after the other
+    t : the instants recorded, shape (k,)
+    rows : the forms there, shape (k, r, n_f)
+    """
+
+    forms: Forms
+    parts: Sequence[Part]
     t: Array
     rows: Array
 
+    @property
+    def pair(self) -> Pair:
+        """The truth and the filter at the start."""
+        return self.parts[0].pair
+
+    def samples_until(self, done: Array) -> int:
+        """Return how many samples of single outputs the filter takes up to the last of some instants."""
+        return sum(one.pair.design.schedule.samples_until(done) for one in self.parts)
+
+    @np.errstate(over="ignore", invalid="ignore")  # what is not finite is refused
     def look(
         self, errors: Errors, seen: Callable[[Known, Array], _Seen], progress: Progress
     ) -> tuple[list[_Seen], bool]:
@@ -45,26 +77,35 @@ class RecordedErrors:
         NotComputableError
             where the covariance is beyond all numbers
         """
-        follow = self.pair.follow(errors, self.timeline, self.marks, progress)
-        return until_interrupted(seen(known, rows) for rows, known in zip(self.rows, follow, strict=True))
+        known = self._followed(errors, progress)
+        return until_interrupted(seen(one, rows) for rows, one in zip(self.rows, known, strict=True))
+
+    def _followed(self, errors: Errors, progress: Progress) -> Iterator[Known]:
+        root = self.pair.design.prior
+        for part in self.parts:
+            root = yield from part.pair.follow(errors, root, part.timeline, part.marks, progress)
+            if part.jump is not None:
+                root = part.jump @ root
+                errors.move(part.jump)
 
 
 def recorded_errors(
     truth: System,
     schedule: Schedule,
     forms: Forms,
-    recorded: int,
+    recorded: int = 500,
     *,
     filter_: System | None = None,
     filter_schedule: Schedule | None = None,
     feedback: Feedback | None = None,
 ) -> RecordedErrors:
-    """Return a filter designed on the truth, or on ``filter_``, and where its errors are recorded.
+    """Return the errors of a filter designed on the truth, or on ``filter_``, to be recorded.
 
     Parameters
     ----------
     forms : of the filter's states
     recorded : at how many instants at the most
+    feedback : what is fed back after each sample; None: nothing, output correction
 
     Raises
     ------
@@ -76,6 +117,10 @@ def recorded_errors(
     design = true if filter_ is None else SampledSystem(filter_, filter_schedule or schedule)
     pair = Pair(true, design, feedback)
     timeline = timeline_of([true, design], design.schedule)
-    marks = timeline.marks(recorded)
-    t = timeline.t[marks]
-    return RecordedErrors(pair, timeline, marks, t, forms.at(design.numeric, t))
+    return recorded_parts(forms, [Part(pair, timeline, timeline.marks(recorded))])
+
+
+def recorded_parts(forms: Forms, parts: Sequence[Part]) -> RecordedErrors:
+    """Return the errors over parts of an interval, to be recorded."""
+    rows = [forms.at(one.pair.design.numeric, one.t) for one in parts]
+    return RecordedErrors(forms, parts, np.concatenate([one.t for one in parts]), np.concatenate(rows))

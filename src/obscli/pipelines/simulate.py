@@ -12,18 +12,19 @@ from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.horizon import Horizon, horizon_of
 from obscli.numeric.kalman import covariance_history
-from obscli.numeric.linear_forms import Forms, forms_of
+from obscli.numeric.linear_forms import forms_of
 from obscli.numeric.mean_response import mean_response
 from obscli.numeric.mismatched import mismatch_history
 from obscli.numeric.monte_carlo import monte_carlo
 from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.recorded_errors import RecordedErrors, recorded_errors
 from obscli.numeric.schedule import Schedule, schedule_of
 from obscli.numeric.simulation_finding import MonteCarlo
 from obscli.numeric.time_to_observability import times_to_observability
 from obscli.pipelines.numerical import settings_of
 from obscli.pipelines.reading import chosen_systems, unknown
 from obscli.pipelines.request import Changes, Progress, RequestError, SimulateRequest, silent
-from obscli.pipelines.simulate_followed import demands_of, followed_forms, sampling_of
+from obscli.pipelines.simulate_followed import demands_of, followed_forms, linear_forms, sampling_of
 from obscli.pipelines.simulate_mean import feedback_of, initial_of
 from obscli.pipelines.simulate_needs import lacking
 from obscli.pipelines.simulate_report import SimulateReport
@@ -168,9 +169,8 @@ class _Stage:
         schedule = self._schedule(system, horizon)
         self._progress("observable combinations")
         forms, unsaid = followed_forms(system)
-        combinations = [(one.name, one.coefficients) for one in forms if one.kind == "combination"]
         history = covariance_history(
-            system, schedule, forms_of(system, combinations), self._request.recorded, self._progress
+            system, schedule, linear_forms(system, forms), self._request.recorded, self._progress
         )
         if not len(history.t):
             raise KeyboardInterrupt
@@ -197,17 +197,7 @@ class _Stage:
         """Return the simulation with the true covariance of a filter designed on another system."""
         _refuse_lacking(other, f"{design.file}: ")
         self._progress("the filter on the truth")
-        horizon = self._horizon(self._system)
-        history = mismatch_history(
-            self._system,
-            other,
-            self._schedule(self._system, horizon),
-            self._schedule(other, horizon),
-            forms_of(other),
-            self._request.recorded,
-            self._progress,
-            feedback=found.feedback,
-        )
+        history = mismatch_history(self._errors(found, other), self._progress)
         if not len(history.t):
             raise KeyboardInterrupt
         end = dict(zip(history.names, history.true[-1], strict=True))
@@ -216,12 +206,18 @@ class _Stage:
         )
         return replace(found, mismatch=Mismatch(design, other, history, demands))
 
-    def _forms(self, found: Simulation, other: System | None) -> Forms:
-        """Return what is followed of the filter."""
-        if other is not None:
-            return forms_of(other)
-        combinations = [(one.name, one.coefficients) for one in found.forms if one.kind == "combination"]
-        return forms_of(self._system, combinations)
+    def _errors(self, found: Simulation, other: System | None) -> RecordedErrors:
+        """Return the errors of the filter, of its own model or on the truth, to be recorded."""
+        horizon = self._horizon(self._system)
+        return recorded_errors(
+            self._system,
+            self._schedule(self._system, horizon),
+            linear_forms(self._system, found.forms) if other is None else forms_of(other),
+            self._request.recorded,
+            filter_=other,
+            filter_schedule=None if other is None else self._schedule(other, horizon),
+            feedback=found.feedback,
+        )
 
     def _response(self, found: Simulation, other: System | None) -> Initial:
         """Return the mean response to the initial error, of the filter on its own model or on the truth."""
@@ -229,17 +225,7 @@ class _Stage:
         system, horizon = self._system, self._horizon(self._system)
         schedule = self._schedule(system, horizon)
         error = initial_of(system, self._request.initial, schedule)
-        response = mean_response(
-            system,
-            schedule,
-            self._forms(found, other),
-            error,
-            self._request.recorded,
-            self._progress,
-            filter_=other,
-            filter_schedule=None if other is None else self._schedule(other, horizon),
-            feedback=found.feedback,
-        )
+        response = mean_response(self._errors(found, other), error, self._progress)
         if not len(response.t):
             raise KeyboardInterrupt
         given = dict(zip(system.state_names, error.tolist(), strict=True))
@@ -247,19 +233,8 @@ class _Stage:
 
     def _runs(self, found: Simulation, other: System | None) -> MonteCarlo:
         """Return the runs with random errors, of the filter on its own model or on the truth."""
-        horizon = self._horizon(self._system)
-        runs = monte_carlo(
-            self._system,
-            self._schedule(self._system, horizon),
-            self._forms(found, other),
-            self._request.runs,
-            self._request.seed,
-            self._request.recorded,
-            self._progress,
-            filter_=other,
-            filter_schedule=None if other is None else self._schedule(other, horizon),
-            feedback=found.feedback,
-        )
+        request = self._request
+        runs = monte_carlo(self._errors(found, other), request.runs, request.seed, self._progress)
         if not len(runs.t):
             raise KeyboardInterrupt
         return runs

@@ -17,6 +17,7 @@ from obscli.model.notation import covector_text
 from obscli.model.specialise import at_nominal
 from obscli.model.system import Covector, Requirement, System
 from obscli.numeric.errors import NotComputableError
+from obscli.numeric.linear_forms import Forms, forms_of
 from obscli.numeric.numeric_system import constants_of
 from obscli.numeric.program import constant_value
 from obscli.numeric.schedule import Schedule
@@ -63,6 +64,11 @@ def forms_from(system: System, found: Analysis | Undecided) -> tuple[tuple[Follo
         for name, kind, covector in others
     )
     return (*states, *rest), found.reason if isinstance(found, Undecided) else ""
+
+
+def linear_forms(system: System, forms: Iterable[FollowedForm]) -> Forms:
+    """Return what is followed in numbers: states, quantities and the combinations."""
+    return forms_of(system, [(one.name, one.coefficients) for one in forms if one.kind == "combination"])
 
 
 def _at_values(system: System) -> Analysis | Undecided:

@@ -13,7 +13,6 @@ from obscli.exact.finding import Analysis, Undecided
 from obscli.model.system import Model, System
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.finding import NotComputed
-from obscli.numeric.linear_forms import forms_of
 from obscli.numeric.schedule import Schedule
 from obscli.numeric.segment_filter import schedules_of, segment_history
 from obscli.numeric.segment_gramian import pieces_of
@@ -21,7 +20,7 @@ from obscli.numeric.time_to_observability import times_to_observability
 from obscli.pipelines.request import NumericRequest, Progress, SimulateRequest
 from obscli.pipelines.segments import segments_result
 from obscli.pipelines.segments_result import SegmentsResult
-from obscli.pipelines.simulate_followed import demands_of, forms_from, sampling_of
+from obscli.pipelines.simulate_followed import demands_of, forms_from, linear_forms, sampling_of
 from obscli.pipelines.simulate_needs import lacking
 from obscli.pipelines.simulate_result import Demand, FollowedForm, SimulateResult, Simulation
 
@@ -54,8 +53,7 @@ def _simulated(
     pieces = pieces_of(bounds.segments)
     schedules = schedules_of(pieces, request.step)
     forms, unsaid = _followed_forms(bounds, system)
-    combinations = [(one.name, one.coefficients) for one in forms if one.kind == "combination"]
-    history = segment_history(pieces, schedules, forms_of(system, combinations), request.recorded, progress)
+    history = segment_history(pieces, schedules, linear_forms(system, forms), request.recorded, progress)
     demands = demands_of(system, bounds.model.require)
     end = dict(zip(history.names, history.deviations[-1], strict=True)) if len(history.t) else {}
     whole = _whole(schedules)
