@@ -129,7 +129,7 @@ def test_simulate_goes_through(obscli, model):
     [
         ("analyze", ["--segments", "--stage", "seen"], "leave out --stage"),
         ("analyze", ["--segments", "--to", "3"], "leave out --stage, --from"),
-        ("simulate", ["--segments", "--runs", "3"], "no errors but the covariance"),
+        ("simulate", ["--segments", "--to", "3"], "leave out --stage, --from, --to, --filter"),
     ],
 )
 def test_what_does_not_go_with_segments(obscli, model, command, options, message):
@@ -231,6 +231,55 @@ def test_plan_does_not_move_jumps(obscli, model):
     outcome = obscli("plan", model(MODEL), "--segments")
     assert outcome.status == 2
     assert "the jump after drive is one between two segments" in " ".join(outcome.err.split())
+
+
+OFTEN = """\
+states: [p]
+functions: [f]
+A: [[f]]
+H: [[1]]
+noise: {R: 1, P0_std: 1}
+stages:
+  slow: {outputs: {y1: {every: 2}}}
+  quick: {outputs: {y1: {every: 0.5, during: [[0, 14], [17, 30]]}}}
+  dense: {}
+segments: [{stage: slow, duration: 10}, {stage: quick, duration: 10}, {stage: slow, name: again, duration: 5.5}]
+"""
+
+
+def test_outages_are_judged_by_the_step_of_each_segment(obscli, model):
+    outcome = obscli("simulate", model(OFTEN), "--segments")
+    assert "every 0.5 to 2; none in 14 … 17" in outcome.out
+    assert "functions left open" in outcome.out
+    found = json.loads(obscli("simulate", model(OFTEN), "--segments", "--format", "json").out)
+    (output,) = found["results"][0]["simulate"]["outputs"]
+    assert (output["every"], output["longest"]) == (0.5, 2.0)
+    assert output["outages"] == [{"start": 14.0, "stop": 17.0}]
+
+
+def test_a_step_that_is_assumed_in_a_later_segment_is_told(obscli, model):
+    text = OFTEN.replace("again, duration: 5.5}", "again, duration: 5.5}, {stage: dense, duration: 4.5}")
+    text = text.replace("functions: [f]", "parameters: {f: 0.1}")
+    for command in ("simulate", "measures"):
+        out = " ".join(obscli(command, model(text), "--segments").out.split())
+        assert "0.075 is taken (--step)" in out
+
+
+def test_measures_of_segments_have_figures_against_time(obscli, model, tmp_path):
+    assert obscli("measures", model(MODEL), "--segments", "--plot", tmp_path / "figures").status == 0
+    names = {one.name for one in (tmp_path / "figures").glob("*.svg")}
+    assert names == {"m_segments-stochastic.svg", "m_segments-deviation.svg"}
+
+
+def test_an_interrupt_in_the_segments_keeps_the_stages(obscli, model, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("obscli.pipelines.simulate_segments.segment_history", interrupted)
+    outcome = obscli("simulate", model(MODEL.replace("0*p", "v")))
+    assert outcome.status == 130
+    assert "m · unseen" in outcome.out
+    assert "m · seen" in outcome.out
 
 
 def test_a_duration_that_is_none_at_these_values_is_refused_everywhere(obscli, model):

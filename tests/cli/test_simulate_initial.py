@@ -136,12 +136,39 @@ def test_what_cannot_be_is_refused_with_its_place(obscli, arguments, said):
     assert said in " ".join((outcome.out + outcome.err).split())
 
 
-def test_segments_have_no_initial_error(obscli, files):
+def test_segments_have_an_initial_error_and_runs_as_well(obscli, files):
     (files / "parts.yaml").write_text(
         CHANNEL
-        + "stages: {one: {}, two: {}}\nsegments: [{stage: one, duration: 5}, {stage: two, duration: 5}]\n"
+        + "stages: {one: {}, two: {}}\nsegments: [{stage: one, duration: 50}, {stage: two, duration: 50}]\n"
     )
-    outcome = obscli("simulate", "parts.yaml", "--segments", "--initial", "V=1")
+    asked = ("--initial", "V=1", "--runs", 20, "--correction", "feedback", "--format", "json")
+    outcome = obscli("simulate", "parts.yaml", *asked)
+    assert outcome.status == 0
+    one, _, parts = (stage["simulate"] for stage in json.loads(outcome.out)["results"])
+    assert parts["initial"]["error"] == {"V": 1.0}
+    for name, mean in one["initial"]["mean"].items():
+        assert parts["initial"]["mean"][name][-1] == pytest.approx(mean[-1], rel=1e-6, abs=1e-12)
+    assert parts["monte_carlo"]["inserted"]
+    assert parts["feedback"] == {"states": None, "below": None}
+    refused = obscli("simulate", "parts.yaml", "--segments", "--filter", "reduced.yaml")
+    assert refused.status == 2
+    assert "leave out --stage, --from, --to, --filter" in " ".join(refused.err.split())
+
+
+@pytest.mark.usefixtures("files")
+def test_runs_with_an_error_that_is_given_are_not_judged(obscli):
+    outcome = obscli("simulate", "channel.yaml", "--initial", "V=1", "--runs", 50)
+    text = " ".join(outcome.out.split())
+    assert "not judged: errors at the start are given (--initial)" in text
+    assert "consistent" not in text
+
+
+@pytest.mark.usefixtures("files")
+def test_a_wrong_name_is_refused_before_the_work(obscli, monkeypatch):
+    def worked(*_, **__):
+        raise AssertionError
+
+    monkeypatch.setattr("obscli.pipelines.simulate.covariance_history", worked)
+    outcome = obscli("simulate", "channel.yaml", "--initial", "W=1")
     assert outcome.status == 2
-    assert "--initial" in outcome.err
-    assert obscli("simulate", "parts.yaml", "--initial", "V=1").status == 0
+    assert "no state 'W'" in outcome.err

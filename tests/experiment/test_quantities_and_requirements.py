@@ -2,6 +2,7 @@
 
 import pytest
 
+from obscli.core.place import ModelError
 from obscli.pipelines.request import CalibrateRequest, NumericRequest, RequestError
 
 
@@ -77,7 +78,7 @@ def test_a_time_to_set_up_without_a_value_is_refused(planned):
 @pytest.mark.parametrize("given", ["-1", "0 - 2"])
 def test_a_time_to_set_up_is_not_negative(planned, given):
     text = NO_VALUE.replace("s: null", "s: 1") + "plan: {setup_time: s}\n" + RUN
-    with pytest.raises(RequestError, match="negative"):
+    with pytest.raises(ModelError, match=r"plan\.setup_time: a time is expected here"):
         planned(text, settings={"s": given})
 
 

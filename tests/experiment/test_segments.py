@@ -20,8 +20,12 @@ from obscli.model.reader import read_text
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.kalman import covariance_history
 from obscli.numeric.linear_forms import forms_of
+from obscli.numeric.mean_response import mean_response
+from obscli.numeric.monte_carlo import monte_carlo
+from obscli.numeric.recorded_errors import recorded_errors
 from obscli.numeric.schedule import schedule_of
-from obscli.numeric.segment_filter import schedules_of, segment_history
+from obscli.numeric.segment_errors import segment_errors
+from obscli.numeric.segment_filter import assumed_step_of, schedules_of, segment_history
 from obscli.numeric.segment_gramian import pieces_of, segment_numeric
 from obscli.numeric.settings import Settings
 from obscli.pipelines.request import NumericRequest
@@ -159,6 +163,91 @@ def test_a_jump_moves_the_covariance():
     before, after = found.open_loop[at]
     assert after[:2] == pytest.approx(before[:2])
     assert after[2] > before[2]
+
+
+@pytest.mark.parametrize("text", [SPLIT, UNIT_JUMPS])
+def test_errors_over_segments_of_one_stage_are_those_of_the_stage(text):
+    model = read_text(text, "m.yaml")
+    system = model.systems[0]
+    forms = forms_of(system)
+    whole = recorded_errors(system, schedule_of(system, 1.0, 4.0), forms)
+    pieces = pieces_of(model.segments)
+    parts = segment_errors(pieces, schedules_of(pieces), forms)
+    error = np.array([0.5, np.nan, -2.0])
+    one, other = (mean_response(run, error) for run in (whole, parts))
+    np.testing.assert_allclose(other.before, one.before)
+    np.testing.assert_allclose(other.mean[-1], one.mean[-1], rtol=1e-8)
+    found = monte_carlo(parts, 2000, 3)
+    claimed = segment_history(pieces, schedules_of(pieces), forms)
+    np.testing.assert_allclose(found.t, claimed.t)
+    np.testing.assert_allclose(found.claimed, claimed.deviations, rtol=1e-9)
+    assert (np.abs(found.rms / found.claimed - 1) < 5 / np.sqrt(4000)).all()
+    assert 0.8 < found.nees.inside <= 1
+
+
+JUMPING = """\
+states: [x, v]
+stages:
+  a: {F: [[1, 1], [0, 1]], H: [[1, 0]]}
+  b: {F: [[1, 0.5], [0, 0.9]], H: [[1, 1]]}
+noise: {R: 1, P0_std: [1, 2], Q: [0.1, 0.2]}
+segments: [{stage: a, duration: 4, jump: {v: v + 2*x}}, {stage: b, duration: 5}]
+"""
+
+
+def test_a_filter_in_discrete_time_over_segments_is_that_of_its_recursion():
+    """The sample at the end of a segment is taken before the jump; the next step is by the next segment's F."""
+    pieces = pieces_of(read_text(JUMPING, "m.yaml").segments)
+    forms = forms_of(pieces[0].system)
+    run = segment_errors(pieces, schedules_of(pieces), forms)
+    response = mean_response(run, np.array([1.0, -1.0]))
+    claimed = segment_history(pieces, schedules_of(pieces), forms)
+    F = [np.array([[1, 1], [0, 1]]), np.array([[1, 0.5], [0, 0.9]])]
+    H, J = [np.array([[1.0, 0]]), np.array([[1.0, 1]])], np.array([[1.0, 0], [2, 1]])
+    P, e, expected = np.diag([1.0, 4.0]), np.array([1.0, -1.0]), []
+    for k in range(10):
+        part = 0 if k <= 4 else 1
+        if k:
+            P, e = F[part] @ P @ F[part].T + np.diag([0.1, 0.2]), F[part] @ e
+        gain = P @ H[part].T / (H[part] @ P @ H[part].T + 1)
+        P, e = P - gain @ H[part] @ P, e - (gain @ H[part] @ e)
+        expected.append((k, np.sqrt(np.diag(P)), e))
+        if k == 4:
+            P, e = J @ P @ J.T, J @ e
+            expected.append((k, np.sqrt(np.diag(P)), e))
+    np.testing.assert_allclose(claimed.t, [k for k, _, _ in expected])
+    np.testing.assert_allclose(claimed.deviations, [sigma for _, sigma, _ in expected], rtol=1e-10)
+    np.testing.assert_allclose(response.mean, [error for _, _, error in expected], rtol=1e-10)
+
+
+def test_an_error_that_is_given_is_the_same_in_all_runs():
+    """The mean of the runs is then the mean response, and what it leaves to chance is drawn as before."""
+    pieces = pieces_of(read_text(JUMPING, "m.yaml").segments)
+    run = segment_errors(pieces, schedules_of(pieces), forms_of(pieces[0].system))
+    error = np.array([3.0, np.nan])
+    found, mean = monte_carlo(run, 4000, 5, initial=error), mean_response(run, error)
+    spread = np.sqrt(found.rms**2 - found.mean**2)
+    assert found.inserted
+    assert (np.abs(found.mean - mean.mean) < 5 * spread / np.sqrt(4000)).all()
+    assert (spread <= found.claimed * (1 + 5 / np.sqrt(8000))).all()
+    assert not monte_carlo(run, 5, 5).inserted
+
+
+def test_a_step_is_assumed_only_where_the_segment_gives_none():
+    """It is the same in all segments that give none, whichever comes first."""
+    text = (
+        "states: [x]\nA: [[0]]\nH: [[1]]\nstages:\n  dense: {noise: {R: 1, P0_std: 1}}\n"
+        "  given: {noise: {R: 1, P0_std: 1, step: 0.5}}\nsegments: [{stage: %s, duration: 2}, {stage: %s, duration: 2}]\n"
+    )
+    for order in (("dense", "given"), ("given", "dense")):
+        found = dict(
+            zip(order, schedules_of(pieces_of(read_text(text % order, "m.yaml").segments)), strict=True)
+        )
+        assert found["dense"].assumed_step == pytest.approx(0.01)
+        assert found["given"].assumed_step is None
+        assert np.diff(found["dense"].t) == pytest.approx(0.01)
+        assert np.diff(found["given"].t) == pytest.approx(0.5)
+        assert assumed_step_of(tuple(found.values())) == pytest.approx(0.01)
 
 
 RULER = """\

@@ -204,26 +204,32 @@ def test_the_assumed_step_and_the_default_interval_are_told():
     assert given.found.assumed_step is None
 
 
-@pytest.mark.parametrize(("part", "kept"), [("filter", 0), ("mismatch", 1), ("runs", 2)])
+@pytest.mark.parametrize(("part", "kept"), [("filter", 0), ("mismatch", 1), ("response", 2), ("runs", 3)])
 def test_an_interrupt_keeps_all_parts_before_it(part, kept, monkeypatch):
     """Whichever part Ctrl-C ends before its first instant, what came before it is reported."""
-    names = {"filter": "covariance_history", "mismatch": "mismatch_history", "runs": "monte_carlo"}
+    names = {
+        "filter": "simulate.covariance_history",
+        "mismatch": "simulate.mismatch_history",
+        "response": "simulate_errors.mean_response",
+        "runs": "simulate_errors.monte_carlo",
+    }
 
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
     model = read_text(VECTORS, "vectors.yaml")
-    monkeypatch.setattr(f"obscli.pipelines.simulate.{names[part]}", interrupted)
+    monkeypatch.setattr(f"obscli.pipelines.{names[part]}", interrupted)
     if not kept:
         with pytest.raises(KeyboardInterrupt):
             simulate(model)
         return
-    report = simulate(model, request=SimulateRequest(runs=3), design=model)
+    report = simulate(model, request=SimulateRequest(runs=3, initial=(("a", "1"),)), design=model)
     [result] = report.results
 
     assert report.interrupted
     assert result.interrupted
     assert result.found.history.complete
-    assert (result.found.mismatch is not None) is (kept == 2)
+    assert (result.found.mismatch is not None) is (kept >= 2)
+    assert (result.found.initial is not None) is (kept == 3)
     assert result.found.monte_carlo is None
     assert any("interrupted" in str(block) for block in report.document().blocks)

@@ -13,7 +13,7 @@ R. E. Kalman, A New Approach to Linear Filtering and Prediction Problems (1960).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -101,12 +101,12 @@ def followed(
     marks: Flags,
     roots: tuple[Array, WideRows],
     progress: Progress,
-) -> Iterator[Known]:
-    """Yield what is known at the marks.
+) -> Generator[Known, None, tuple[Array, WideRows]]:
+    """Yield what is known at the marks; return L at the end, with measurements and without.
 
     Parameters
     ----------
-    roots : L at the start of the timeline, with measurements and without
+    roots : the same at the start of the timeline
     """
     root, opened = roots
     for stretch in sampled.stretches(timeline):
@@ -126,6 +126,7 @@ def followed(
         opened = opened.moved(end)
         if stretch.noise is not None:
             opened = opened.beside(tuple(end @ stretch.noise)).compressed()
+    return root, opened.compressed()
 
 
 def _still(root: Array, rows: Array, taken: Flags, marks: Flags) -> Iterator[tuple[int, Array]]:

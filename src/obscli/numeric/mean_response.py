@@ -23,7 +23,7 @@ def mean_response(run: RecordedErrors, initial: Array, progress: Progress = sile
     Parameters
     ----------
     run : the filter on the truth
-    initial : e₀, the error of the truth's states before the first sample, shape (n_x,)
+    initial : e₀, the error of the truth's states before the first sample, shape (n_x,); not a number: zero
     progress : told where the filter is; an interrupt keeps what is done
 
     Raises
@@ -31,7 +31,7 @@ def mean_response(run: RecordedErrors, initial: Array, progress: Progress = sile
     NotComputableError
         where the covariance is beyond all numbers
     """
-    pair = run.pair
+    pair, initial = run.pair, np.nan_to_num(initial)
     errors = _Response(pair.joint(initial[:, None]), pair.states)
     before = run.rows[0] @ pair.common @ initial
 

@@ -47,7 +47,9 @@ class _Recorded:
     nis: tuple[float, int] | None
 
 
-def monte_carlo(run: RecordedErrors, runs: int, seed: int, progress: Progress = silent) -> MonteCarlo:
+def monte_carlo(
+    run: RecordedErrors, runs: int, seed: int, progress: Progress = silent, initial: Array | None = None
+) -> MonteCarlo:
     """Return how the errors of a filter spread.
 
     Parameters
@@ -55,6 +57,8 @@ def monte_carlo(run: RecordedErrors, runs: int, seed: int, progress: Progress = 
     run : the filter on the truth
     runs, seed : how many, and the seed of the generator
     progress : told where the runs are; an interrupt keeps what is done
+    initial : errors that the true states have at the start of every run, shape (n_x,); not a number, as
+        without them: drawn from P0
 
     Raises
     ------
@@ -64,7 +68,11 @@ def monte_carlo(run: RecordedErrors, runs: int, seed: int, progress: Progress = 
     if runs < 1:
         raise NotComputableError(f"{runs} runs: at least one is needed (--runs)")
     pair = run.pair
-    draws = _Draws(pair.prior, pair.states, np.random.Generator(np.random.PCG64(seed)), runs)
+    root = pair.truth.prior
+    given = np.full(len(root), np.nan) if initial is None else initial
+    root[~np.isnan(given)] = 0.0
+    draws = _Draws(pair.joint(root), pair.states, np.random.Generator(np.random.PCG64(seed)), runs)
+    draws.shift(pair.joint(np.nan_to_num(given)[:, None]))
 
     def seen(known: Known, rows: Array) -> _Recorded:
         return _recorded(known, rows, draws.columns)
@@ -85,6 +93,7 @@ def monte_carlo(run: RecordedErrors, runs: int, seed: int, progress: Progress = 
         _consistency(done, [one.nis for one in found], runs),
         _CONFIDENCE,
         complete,
+        not np.isnan(given).all(),
     )
 
 
@@ -100,6 +109,10 @@ class _Draws:
     @property
     def columns(self) -> Array:
         return self._draws
+
+    def shift(self, column: Array) -> None:
+        """Add the same to all draws."""
+        self._draws += column
 
     def add(self, root: Array) -> None:
         self._draws += self._drawn(root)

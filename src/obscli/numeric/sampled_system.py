@@ -120,7 +120,7 @@ class Stretch:
     transition : Φ(t, a) at its k instants, the last of them its end, shape (k, n, n)
     rows : H(t) Φ(t, a), shape (k, m, n)
     noise : square roots of the driving noise since the instant before, shape (k, n, r); None: nothing drives
-    step : F, which takes the coordinates of this panel to those of the next, shape (n, n); None: Φ at its end
+    step : F, which takes the coordinates of this panel to those of the next, (n, n); None: Φ at its end
     """
 
     first: int
@@ -200,10 +200,11 @@ class SampledSystem:
             first = last
 
     def _steps(self, timeline: Timeline) -> Iterator[Stretch]:
-        """Yield the steps of a discrete-time system, each as a panel of its own."""
-        here = np.eye(self.numeric.n)[None]
+        """Yield the steps of a discrete-time system, each as a panel of its own; the last leads nowhere."""
+        here, last = np.eye(self.numeric.n)[None], len(timeline.t) - 1
         for k, F, H, entered in single_steps(self.numeric, self.noise, timeline.t):
-            yield Stretch(k, here, H[None], None if entered is None else entered[None], F)
+            noise = None if entered is None else entered[None]
+            yield Stretch(k, here, H[None], noise, None if k == last else F)
 
     def _roots(self, dense: DenseTransition, t: Array) -> Array | None:
         """Return the square roots of the noise of steps, zero in the states that it does not reach."""

@@ -9,24 +9,26 @@ at the end of a segment belongs to it, and is taken before the jump.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from typing import Final, TypeAlias
 
 import numpy as np
 
-from obscli.numeric.kalman import deviations, followed
+from obscli.numeric.kalman import Known, deviations, followed
 from obscli.numeric.linear_forms import Forms
-from obscli.numeric.numeric_system import NumericSystem
-from obscli.numeric.program import Array
+from obscli.numeric.program import Array, Flags
 from obscli.numeric.progress import Progress, silent, until_interrupted
-from obscli.numeric.sampled_system import SampledSystem, timeline_of
+from obscli.numeric.sampled_system import SampledSystem, Timeline, timeline_of
 from obscli.numeric.schedule import Schedule, schedule_of
 from obscli.numeric.segment_gramian import Piece
 from obscli.numeric.simulation_finding import History
 from obscli.numeric.wide_rows import WideRows
 
 
+#: A segment with its samples, its instants, and which of them are recorded.
+_Part: TypeAlias = tuple[SampledSystem, Timeline, Flags]
+
 #: Instants recorded in one segment at least.
-_FEWEST = 4
+_FEWEST: Final = 4
 
 
 def schedules_of(pieces: Sequence[Piece], step: float | None = None) -> tuple[Schedule, ...]:
@@ -42,17 +44,40 @@ def schedules_of(pieces: Sequence[Piece], step: float | None = None) -> tuple[Sc
         as ``schedule_of``
     """
     start, stop = pieces[0].start, pieces[-1].stop
-    whole = schedule_of(pieces[0].system, start, stop, step)
-    taken = step if whole.assumed_step is None else whole.assumed_step
     found = []
     for k, piece in enumerate(pieces):
-        grid = schedule_of(piece.system, start, stop, taken)
+        grid = schedule_of(piece.system, start, stop, step)  # a step that is assumed is that of the whole
         inside = (grid.t > piece.start if k else grid.t >= piece.start) & (grid.t <= piece.stop)
         t, sampled = grid.t[inside], grid.sampled[inside]
         if not len(t):  # an instant at which nothing is sampled says nothing
             t, sampled = np.array([piece.stop]), np.zeros((1, piece.system.m), dtype=bool)
-        found.append(Schedule(piece.start, piece.stop, t, sampled, grid.R, whole.assumed_step))
+        found.append(Schedule(piece.start, piece.stop, t, sampled, grid.R, grid.assumed_step))
     return tuple(found)
+
+
+def assumed_step_of(schedules: Sequence[Schedule]) -> float | None:
+    """Return the time between samples that is taken in segments in which nothing says it; None: in none."""
+    return next((one.assumed_step for one in schedules if one.assumed_step is not None), None)
+
+
+def timelines_of(pieces: Sequence[Piece], schedules: Sequence[Schedule], recorded: int) -> Iterator[_Part]:
+    """Yield every segment with its samples, its instants, and which of them are recorded.
+
+    The start of a segment is recorded where the state has jumped; the end of every one is.
+
+    Parameters
+    ----------
+    recorded : at how many instants at the most, roughly
+    """
+    total = pieces[-1].stop - pieces[0].start
+    jumped = True
+    for piece, schedule in zip(pieces, schedules, strict=True):
+        sampled = SampledSystem(piece.system, schedule)
+        timeline = timeline_of([sampled], schedule)
+        marks = timeline.marks(max(_FEWEST, round(recorded * (piece.stop - piece.start) / total)))
+        marks[0] &= jumped
+        yield sampled, timeline, marks
+        jumped = piece.jump is not None
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what is not finite is refused
@@ -78,20 +103,21 @@ def segment_history(
     NotComputableError
         where a state has no P0, or a segment cannot be integrated
     """
-    first = SampledSystem(pieces[0].system, schedules[0])
-    prior = deviations(forms.at(first.numeric, np.array([pieces[0].start]))[0], first.prior)
-
-    def seen(one: _Known) -> tuple[float, Array, Array]:
-        row = forms.at(one.numeric, np.array([one.t]))[0]
-        return one.t, deviations(row, one.root), one.open_loop.deviations(row)
-
-    found, complete = until_interrupted(map(seen, _followed(pieces, schedules, recorded, progress)))
-    k, r = len(found), len(forms.names)
-    times = np.array([one[0] for one in found])
-    closed = np.array([one[1] for one in found]).reshape(k, r)
-    opened = np.array([one[2] for one in found]).reshape(k, r)
-    samples = sum(one.samples_until(times) for one in schedules)
-    return History(forms.names, forms.kinds, times, closed, opened, prior, samples, complete)
+    parts = list(timelines_of(pieces, schedules, recorded))
+    t = np.concatenate([timeline.t[marks] for _, timeline, marks in parts])
+    rows = np.concatenate(
+        [forms.at(sampled.numeric, timeline.t[marks]) for sampled, timeline, marks in parts]
+    )
+    prior = deviations(rows[0], parts[0][0].prior)
+    known = _followed(pieces, parts, progress)
+    found, complete = until_interrupted(
+        (deviations(row, one.root), one.open_loop.deviations(row))
+        for row, one in zip(rows, known, strict=True)
+    )
+    done = t[: len(found)]
+    closed, opened = np.array(found).reshape(len(found), 2, len(forms.names)).swapaxes(0, 1)
+    samples = sum(one.samples_until(done) for one in schedules)
+    return History(forms.names, forms.kinds, done, closed, opened, prior, samples, complete)
 
 
 def segment_roots(pieces: Sequence[Piece], schedules: Sequence[Schedule]) -> tuple[Array, Array, WideRows]:
@@ -102,37 +128,16 @@ def segment_roots(pieces: Sequence[Piece], schedules: Sequence[Schedule]) -> tup
     NotComputableError
         as ``segment_history``
     """
-    *_, last = _followed(pieces, schedules, 0, silent)
-    return SampledSystem(pieces[0].system, schedules[0]).prior, last.root, last.open_loop.compressed()
+    parts = list(timelines_of(pieces, schedules, 0))
+    *_, last = _followed(pieces, parts, silent)
+    return parts[0][0].prior, last.root, last.open_loop.compressed()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Known:
-    """What is known at an instant of a segment: L, and that of the open loop."""
-
-    numeric: NumericSystem
-    t: float
-    root: Array
-    open_loop: WideRows
-
-
-def _followed(
-    pieces: Sequence[Piece], schedules: Sequence[Schedule], recorded: int, progress: Progress
-) -> Iterator[_Known]:
-    """Yield what is known at instants, the end of every segment and what is after a jump among them."""
-    total = pieces[-1].stop - pieces[0].start
-    roots: tuple[Array, WideRows] | None = None
-    jumped = True
-    for piece, schedule in zip(pieces, schedules, strict=True):
-        sampled = SampledSystem(piece.system, schedule)
-        roots = roots or (sampled.prior, WideRows.of(sampled.prior))
-        timeline = timeline_of([sampled], schedule)
-        marks = timeline.marks(max(_FEWEST, round(recorded * (piece.stop - piece.start) / total)))
-        marks[0] &= jumped
-        for known in followed(sampled, timeline, marks, roots, progress):
-            yield _Known(sampled.numeric, float(timeline.t[known.index]), known.root, known.open_loop)
-            last = (known.root, known.open_loop)
-        roots = (last[0], last[1].compressed())
-        jumped = piece.jump is not None
+def _followed(pieces: Sequence[Piece], parts: Sequence[_Part], progress: Progress) -> Iterator[Known]:
+    """Yield what is known at the instants recorded of all segments."""
+    prior = parts[0][0].prior
+    roots = prior, WideRows.of(prior)
+    for piece, part in zip(pieces, parts, strict=True):
+        roots = yield from followed(*part, roots, progress)
         if piece.jump is not None:
-            roots = (piece.jump @ roots[0], roots[1].moved(piece.jump))
+            roots = piece.jump @ roots[0], roots[1].moved(piece.jump)

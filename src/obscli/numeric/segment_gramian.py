@@ -70,6 +70,12 @@ def pieces_of(segments: Segments) -> tuple[Piece, ...]:
     return tuple(found)
 
 
+def left_open(pieces: Sequence[Piece]) -> tuple[str, ...]:
+    """Return the functions of all segments for which a sample motion is taken."""
+    motions = [NumericSystem(one.system, one.start, one.stop).motion for one in pieces]
+    return tuple(dict.fromkeys(name for motion in motions if motion for name in motion.names))
+
+
 def _number(value: Expression, values: dict[str, float], what: str) -> float:
     try:
         found = float(constant_value(value, values))

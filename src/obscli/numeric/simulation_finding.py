@@ -125,6 +125,7 @@ class MonteCarlo:
     nees : normalised estimation error squared, eᵀ P⁻¹ e; None: P is zero all the time
     nis : normalised innovation squared, νᵀ S⁻¹ ν; None: no output is sampled
     confidence : of the bands, 0.95
+    inserted : whether errors at the start were given, and not all drawn from P0
     """
 
     names: tuple[str, ...]
@@ -139,3 +140,4 @@ class MonteCarlo:
     nis: Consistency | None
     confidence: float
     complete: bool = True
+    inserted: bool = False

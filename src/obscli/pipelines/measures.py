@@ -152,7 +152,7 @@ class _Stage:
             reordered=tuple(self._reordered(taken[-1])),
             curves=self._curves(taken[-1]) if self._request.curves else None,
             assumed_step=self._assumed_step(taken[-1]),
-            sampled=tuple(one.name for one in system.functions if one.derivative is None),
+            sampled=numeric.motion.names if numeric.motion else (),
         )
 
     def _assumed_step(self, taken: Taken) -> float | None:

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from obscli.measures.covariances import Covariances
+from obscli.measures.covariances import Covariances, shares
 from obscli.measures.measure import Found, Measure
 from obscli.measures.subject import Subject
 from obscli.measures.taking import take
@@ -22,13 +22,15 @@ from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.gramian import Gramian
 from obscli.numeric.horizon import Horizon
+from obscli.numeric.linear_forms import Forms
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.scaling import sizes_of
-from obscli.numeric.segment_filter import schedules_of, segment_roots
-from obscli.numeric.segment_gramian import pieces_of, segment_numeric
+from obscli.numeric.schedule import Schedule
+from obscli.numeric.segment_filter import assumed_step_of, schedules_of, segment_history, segment_roots
+from obscli.numeric.segment_gramian import Piece, left_open, pieces_of, segment_numeric
 from obscli.numeric.settings import Settings
 from obscli.pipelines.measure_targets import targets_of
-from obscli.pipelines.measures_result import MeasuresResult, Taken
+from obscli.pipelines.measures_result import Curves, MeasuresResult, Taken
 from obscli.pipelines.request import MeasuresRequest, NumericRequest, Progress, RequestError
 from obscli.pipelines.segments import segments_result
 
@@ -41,21 +43,28 @@ OF_INTERVALS: Final = (
     "covariance-reduction",
     "normalised-covariance",
 )
+#: Those of them that figures show against time, and at how many instants.
+_AGAINST_TIME: Final = ("stochastic", "standard-deviation")
+_CURVE: Final = 200
 _REASON: Final = "it is one of the system in force at an instant: measure the stage (--stage)"
 
 
 @dataclass(frozen=True, eq=False)
 class SegmentSubject(Subject):
-    """Segments to be measured at their end; ``segments``: what goes before it."""
+    """Segments to be measured at their end: what goes before it, exactly and in numbers."""
 
     segments: Segments | None = field(default=None, kw_only=True)
+    pieces: tuple[Piece, ...] = field(default=(), kw_only=True)
+
+    @cached_property
+    def schedules(self) -> tuple[Schedule, ...]:
+        """When the outputs are sampled; raises ``NotComputableError`` where the file gives no noise."""
+        return schedules_of(self.pieces, self.step)
 
     @cached_property
     def covariances(self) -> Covariances:
         """Deviations at the end; raises ``NotComputableError`` where the file does not give the noise."""
-        assert self.segments is not None
-        pieces = pieces_of(self.segments)
-        first, root, opened = segment_roots(pieces, schedules_of(pieces, self.step))
+        first, root, opened = segment_roots(self.pieces, self.schedules)
         forms = self.forms(self.at)
         prior, after = (np.linalg.norm(forms @ one, axis=1) for one in (first, root))
         return Covariances(prior, after[None], opened.deviations(forms)[None], first, root)
@@ -116,6 +125,7 @@ def measure_segments(
         options,
         request.step,
         segments=bounds.segments,
+        pieces=pieces,
     )
     found: dict[str, Found | NotComputed] = {one.key: NotComputed(_REASON) for one in chosen}
     found |= take(subject, [one for one in chosen if one.key in OF_INTERVALS], progress)
@@ -124,4 +134,32 @@ def measure_segments(
         taken=(Taken(subject, found),),
         units=dict(zip(system.state_names, map(float, units), strict=True)),
         horizon=Horizon(start, np.array([stop]), "given"),
+        curves=_curves(subject, found, progress) if request.curves else None,
+        assumed_step=assumed_step_of(subject.schedules) if _is_noisy(found) else None,
+        sampled=left_open(pieces),
     )
+
+
+def _is_noisy(found: Mapping[str, Found | NotComputed]) -> bool:
+    return any(isinstance(found.get(key), Found) for key in (*_AGAINST_TIME, "covariance-reduction"))
+
+
+def _curves(
+    subject: SegmentSubject, found: Mapping[str, Found | NotComputed], progress: Progress
+) -> Curves | None:
+    """Return the measures from the noise against time; None where there are none."""
+    wanted = [key for key in _AGAINST_TIME if isinstance(found.get(key), Found)]
+    if not wanted:
+        return None
+    progress("measures against time")
+    targets = subject.targets
+    forms = Forms(
+        tuple(one.name for one in targets),
+        tuple(one.kind for one in targets),
+        tuple(one.coefficients for one in targets),
+    )
+    history = segment_history(subject.pieces, subject.schedules, forms, _CURVE)
+    known = replace(subject.covariances, after=history.deviations, open_loop=history.open_loop)
+    values = {"stochastic": shares(known), "standard-deviation": known.after}
+    values = {key: values[key] for key in wanted}
+    return Curves(history.t, {**values, "open-loop": known.open_loop})

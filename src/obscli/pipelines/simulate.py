@@ -5,6 +5,7 @@ Importing this costs the floating-point libraries.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 from obscli.model.system import Model, System
@@ -13,22 +14,20 @@ from obscli.numeric.finding import NotComputed
 from obscli.numeric.horizon import Horizon, horizon_of
 from obscli.numeric.kalman import covariance_history
 from obscli.numeric.linear_forms import forms_of
-from obscli.numeric.mean_response import mean_response
 from obscli.numeric.mismatched import mismatch_history
-from obscli.numeric.monte_carlo import monte_carlo
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.recorded_errors import RecordedErrors, recorded_errors
 from obscli.numeric.schedule import Schedule, schedule_of
-from obscli.numeric.simulation_finding import MonteCarlo
 from obscli.numeric.time_to_observability import times_to_observability
 from obscli.pipelines.numerical import settings_of
 from obscli.pipelines.reading import chosen_systems, unknown
 from obscli.pipelines.request import Changes, Progress, RequestError, SimulateRequest, silent
+from obscli.pipelines.simulate_errors import ErrorSteps, carried_out
 from obscli.pipelines.simulate_followed import demands_of, followed_forms, linear_forms, sampling_of
 from obscli.pipelines.simulate_mean import feedback_of, initial_of
-from obscli.pipelines.simulate_needs import lacking
+from obscli.pipelines.simulate_needs import refuse_lacking
 from obscli.pipelines.simulate_report import SimulateReport
-from obscli.pipelines.simulate_result import Demand, Initial, Mismatch, SimulateResult, Simulation
+from obscli.pipelines.simulate_result import Demand, Mismatch, SimulateResult, Simulation
 from obscli.pipelines.simulate_segments import simulate_segments
 
 
@@ -57,24 +56,30 @@ def simulate(
         where an end of the interval is no expression in the names of the system
     """
     results: list[SimulateResult] = []
-    together = _has_segments(model, request, design)
-    if request.segments:
-        return SimulateReport((simulate_segments(model, request, progress),), changes)
-    systems = chosen_systems(model, request.stages)
-    designs = [None if design is None else _design_of(design, system) for system in systems]
-    for system, other in zip(systems, designs, strict=True):
-        stage = _Stage(model, system, request, progress)
-        try:
-            results.append(stage.simulated(design, other))
-        except KeyboardInterrupt:
-            if not results:
-                raise
-            return SimulateReport(tuple(results), changes, interrupted=True)
-        if results[-1].interrupted:
-            return SimulateReport(tuple(results), changes, interrupted=True)
-    if together:
-        results.append(simulate_segments(model, request, progress))
+    try:
+        for result in _simulated(model, request, progress, design):
+            results.append(result)
+            if result.interrupted:
+                break
+    except KeyboardInterrupt:
+        if not results:
+            raise
+        return SimulateReport(tuple(results), changes, interrupted=True)
     return SimulateReport(tuple(results), changes, interrupted=results[-1].interrupted)
+
+
+def _simulated(
+    model: Model, request: SimulateRequest, progress: Progress, design: Model | None
+) -> Iterator[SimulateResult]:
+    """Yield the stages that are asked for, then the segments; raises as ``simulate``."""
+    together = _has_segments(model, request, design)
+    if not request.segments:
+        systems = chosen_systems(model, request.stages)
+        designs = [None if design is None else _design_of(design, system) for system in systems]
+        for system, other in zip(systems, designs, strict=True):
+            yield _Stage(model, system, request, progress).simulated(design, other)
+    if together:
+        yield simulate_segments(model, request, progress)
 
 
 def _has_segments(model: Model, request: SimulateRequest, design: Model | None) -> bool:
@@ -87,13 +92,11 @@ def _has_segments(model: Model, request: SimulateRequest, design: Model | None) 
     """
     numeric = request.numeric
     timed = numeric.start is not None or numeric.stop is not None
-    errors = request.runs > 0 or bool(request.initial) or request.feedback is not None
-    stages_alone = timed or bool(request.stages) or design is not None or errors
+    stages_alone = timed or bool(request.stages) or design is not None
     if request.segments and stages_alone:
         raise RequestError(
-            "--segments has the durations of the file and all of its stages, and no errors but the "
-            "covariance: leave out --stage, --from, --to, --filter, --runs, --initial, --correction, "
-            "--feedback"
+            "--segments has the durations of the file, all of its stages and the filter designed on them: "
+            "leave out --stage, --from, --to, --filter"
         )
     if request.segments and model.segments is None:
         raise RequestError(f"{model.file}: there are no `segments`")
@@ -136,24 +139,25 @@ class _Stage:
 
     def simulated(self, design: Model | None, other: System | None) -> SimulateResult:
         """Return what is found, or what is lacking; an interrupt keeps what is done."""
+        system, request = self._system, self._request
         try:
-            feedback = feedback_of(other or self._system, self._system, self._request.feedback)
+            feedback = feedback_of(other or system, system, request.feedback)
+            refuse_lacking(system)
+            horizon = self._horizon(system)
+            inserted = initial_of(system, request.initial, horizon.start, horizon.stop)
             found = replace(self._filtered(), feedback=feedback)
-            interrupted = False
-            try:
-                if found.history.complete and design is not None and other is not None:
-                    found = self._mismatched(found, design, other)
-                if _is_complete(found) and self._request.initial:
-                    found = replace(found, initial=self._response(found, other))
-                if _is_complete(found) and self._request.runs:
-                    found = replace(found, monte_carlo=self._runs(found, other))
-            except KeyboardInterrupt:
-                interrupted = True
+            asked = ErrorSteps(
+                system, request, inserted, lambda one: self._errors(one, other), self._progress
+            )
+            steps = (
+                [] if design is None or other is None else [lambda one: self._mismatched(one, design, other)]
+            )
+            found, interrupted = carried_out(found, [*steps, *asked.steps()])
         except UnfitRequestError as error:
             raise RequestError(f"{self._model.file}: {error}") from error
         except NotComputableError as error:
-            return SimulateResult(self._model, self._system, NotComputed(str(error)))
-        return SimulateResult(self._model, self._system, found, interrupted or not _is_complete(found))
+            return SimulateResult(self._model, system, NotComputed(str(error)))
+        return SimulateResult(self._model, system, found, interrupted)
 
     def _horizon(self, system: System) -> Horizon:
         return horizon_of(system, settings_of(system, self._request.numeric).wanted)
@@ -164,7 +168,6 @@ class _Stage:
     def _filtered(self) -> Simulation:
         """Return the covariance of the filter designed on the system itself."""
         system = self._system
-        _refuse_lacking(system)
         horizon = self._horizon(system)
         schedule = self._schedule(system, horizon)
         self._progress("observable combinations")
@@ -182,7 +185,7 @@ class _Stage:
             stop=horizon.stop,
             default=horizon.origin == "default",
             forms=forms,
-            sampling=sampling_of(system, schedule),
+            sampling=sampling_of(system, [schedule]),
             assumed_step=schedule.assumed_step,
             history=history,
             times=times_to_observability(history, demands, self._request.fraction),
@@ -195,7 +198,7 @@ class _Stage:
 
     def _mismatched(self, found: Simulation, design: Model, other: System) -> Simulation:
         """Return the simulation with the true covariance of a filter designed on another system."""
-        _refuse_lacking(other, f"{design.file}: ")
+        refuse_lacking(other, f"{design.file}: ")
         self._progress("the filter on the truth")
         history = mismatch_history(self._errors(found, other), self._progress)
         if not len(history.t):
@@ -218,39 +221,3 @@ class _Stage:
             filter_schedule=None if other is None else self._schedule(other, horizon),
             feedback=found.feedback,
         )
-
-    def _response(self, found: Simulation, other: System | None) -> Initial:
-        """Return the mean response to the initial error, of the filter on its own model or on the truth."""
-        self._progress("the mean response")
-        system, horizon = self._system, self._horizon(self._system)
-        schedule = self._schedule(system, horizon)
-        error = initial_of(system, self._request.initial, schedule)
-        response = mean_response(self._errors(found, other), error, self._progress)
-        if not len(response.t):
-            raise KeyboardInterrupt
-        given = dict(zip(system.state_names, error.tolist(), strict=True))
-        return Initial({name: given[name] for name, _ in self._request.initial}, response)
-
-    def _runs(self, found: Simulation, other: System | None) -> MonteCarlo:
-        """Return the runs with random errors, of the filter on its own model or on the truth."""
-        request = self._request
-        runs = monte_carlo(self._errors(found, other), request.runs, request.seed, self._progress)
-        if not len(runs.t):
-            raise KeyboardInterrupt
-        return runs
-
-
-def _is_complete(found: Simulation) -> bool:
-    mismatch, runs, initial = found.mismatch, found.monte_carlo, found.initial
-    return (
-        found.history.complete
-        and (mismatch is None or mismatch.history.complete)
-        and (runs is None or runs.complete)
-        and (initial is None or initial.response.complete)
-    )
-
-
-def _refuse_lacking(system: System, whose: str = "") -> None:
-    lack = lacking(system)
-    if lack:
-        raise NotComputableError(whose + lack)

@@ -92,6 +92,7 @@ def _sampling(one: Sampling) -> dict[str, object]:
         "name": one.output,
         "samples": one.samples,
         "every": one.every,
+        "longest": one.longest,
         "outages": [{"start": start, "stop": stop} for start, stop in one.outages],
     }
 
@@ -154,6 +155,7 @@ def _monte_carlo(found: MonteCarlo) -> dict[str, object]:
         "runs": found.runs,
         "seed": found.seed,
         "confidence": found.confidence,
+        "inserted": found.inserted,
         "t": _numbers(found.t),
         "mean": _by_form(found.names, found.mean),
         "rms": _by_form(found.names, found.rms),

@@ -5,7 +5,7 @@ Importing this costs the floating-point libraries.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -85,18 +85,28 @@ def _unit(covector: Covector, units: dict[str, str]) -> str:
     return units[next(iter(covector))] if one else ""
 
 
-def sampling_of(system: System, schedule: Schedule) -> tuple[Sampling, ...]:
-    """Return when each output is sampled, and where it is not for longer than usual."""
-    found = []
-    for k, output in enumerate(system.outputs):
-        t = schedule.t[schedule.sampled[:, k]]
-        gaps = np.diff(t)
-        every = float(gaps.min()) if len(gaps) else None
-        edges = np.concatenate([[schedule.start], t, [schedule.stop]])
-        long = np.diff(edges) > (1.5 * every if every is not None else 0.0)
-        outages = tuple((float(edges[j]), float(edges[j + 1])) for j in np.flatnonzero(long))
-        found.append(Sampling(output.name, len(t), every, outages))
-    return tuple(found)
+def sampling_of(system: System, schedules: Sequence[Schedule]) -> tuple[Sampling, ...]:
+    """Return when each output is sampled, and where it is not for longer than usual.
+
+    Parameters
+    ----------
+    schedules : of the parts of the interval, one after the other, each with a usual time between samples
+    """
+    return tuple(_sampling(one.name, k, schedules) for k, one in enumerate(system.outputs))
+
+
+def _sampling(name: str, k: int, schedules: Sequence[Schedule]) -> Sampling:
+    each = [one.t[one.sampled[:, k]] for one in schedules]
+    t = np.concatenate(each)
+    known = [float(np.diff(own).min()) for own in each if len(own) > 1]
+    usual = known or ([float(np.diff(t).min())] if len(t) > 1 else [0.0])
+    own = np.array([np.diff(one).min() if len(one) > 1 else max(usual) for one in each])
+    part = np.concatenate([[0], np.repeat(np.arange(len(each)), [len(one) for one in each]), [len(each) - 1]])
+    edges = np.concatenate([[schedules[0].start], t, [schedules[-1].stop]])
+    long = np.diff(edges) > 1.5 * np.maximum(own[part[:-1]], own[part[1:]])
+    outages = tuple((float(edges[j]), float(edges[j + 1])) for j in np.flatnonzero(long))
+    every, longest = (min(usual), max(usual)) if len(t) > 1 else (None, None)
+    return Sampling(name, len(t), every, outages, longest)
 
 
 def demands_of(system: System, requirements: Iterable[Requirement]) -> dict[str, float]:

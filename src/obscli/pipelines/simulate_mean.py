@@ -16,13 +16,14 @@ from obscli.model.system import System
 from obscli.numeric.feedback import Feedback
 from obscli.numeric.numeric_system import NumericSystem, missing_values
 from obscli.numeric.program import Array
-from obscli.numeric.schedule import Schedule
 from obscli.pipelines.reading import unknown
 from obscli.pipelines.request import RequestError
 
 
-def initial_of(system: System, given: Sequence[tuple[str, str]], schedule: Schedule) -> Array:
-    """Return the initial error, shape (n,): expressions at the start, zero where none is given.
+def initial_of(system: System, given: Sequence[tuple[str, str]], start: float, stop: float) -> Array | None:
+    """Return the initial error, shape (n,): expressions at the start, not a number where none is given.
+
+    None where nothing is given.
 
     Raises
     ------
@@ -31,6 +32,8 @@ def initial_of(system: System, given: Sequence[tuple[str, str]], schedule: Sched
     ModelError
         where a text is no expression in the names of the system
     """
+    if not given:
+        return None
     states = list(system.state_names)
     for name, _ in given:
         if name not in states:
@@ -39,11 +42,13 @@ def initial_of(system: System, given: Sequence[tuple[str, str]], schedule: Sched
     without_value = [one.name for one in system.parameters if one.nominal is None]
     if without_value:
         raise RequestError(f"--initial: {missing_values(without_value)}")
-    numeric = NumericSystem(system, schedule.start, schedule.stop)
-    found: Array = numeric.covectors([covector], np.array([schedule.start]))[0][0, 0]
-    for name, value in zip(states, found, strict=True):
+    values = NumericSystem(system, start, stop).covectors([covector], np.array([start]))[0][0, 0]
+    found = np.full(len(states), np.nan)
+    for k, (name, value) in enumerate(zip(states, values, strict=True)):
         if not math.isfinite(value):
-            raise RequestError(f"--initial {name}: no number at the start {schedule.start:.6g}")
+            raise RequestError(f"--initial {name}: no number at the start {start:.6g}")
+        if name in covector:
+            found[k] = value
     return found
 
 

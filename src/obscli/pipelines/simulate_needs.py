@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from obscli.model.expression import Expression, is_zero
 from obscli.model.notation import to_text
 from obscli.model.system import Matrix, System
+from obscli.numeric.errors import NotComputableError
 from obscli.numeric.numeric_system import missing_values
 
 
@@ -14,10 +15,21 @@ from obscli.numeric.numeric_system import missing_values
 _SHOWN = 3
 
 
-def lacking(system: System) -> str:
-    """Return what the file has to give besides, with an example in its own names; empty: nothing."""
-    needs = list(_needs(system))
-    return "; ".join(needs)
+def refuse_lacking(system: System, whose: str = "") -> None:
+    """Refuse a system that lacks something.
+
+    Parameters
+    ----------
+    whose : what the message begins with
+
+    Raises
+    ------
+    NotComputableError
+        with what the file has to give besides, and an example in its own names
+    """
+    needs = "; ".join(_needs(system))
+    if needs:
+        raise NotComputableError(whose + needs)
 
 
 def _needs(system: System) -> Iterator[str]:

@@ -43,14 +43,16 @@ class FollowedForm:
 class Sampling:
     """When one output is sampled.
 
-    ``every``: the shortest time between samples, None where there are less than two; ``outages``: where
-    there is none for longer, between the samples around it or an end of the interval.
+    ``every``: the usual time between samples, None where there are less than two; ``outages``: where there is
+    none for longer, between the samples around it or an end of the interval; ``longest``: as ``every``, of
+    that segment in which samples are rarest.
     """
 
     output: str
     samples: int
     every: float | None
     outages: tuple[tuple[float, float], ...]
+    longest: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

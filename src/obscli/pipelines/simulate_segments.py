@@ -5,23 +5,26 @@ Importing this costs the floating-point libraries.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-
-import numpy as np
 
 from obscli.exact.finding import Analysis, Undecided
 from obscli.model.system import Model, System
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.finding import NotComputed
+from obscli.numeric.recorded_errors import RecordedErrors
 from obscli.numeric.schedule import Schedule
-from obscli.numeric.segment_filter import schedules_of, segment_history
-from obscli.numeric.segment_gramian import pieces_of
+from obscli.numeric.segment_errors import segment_errors
+from obscli.numeric.segment_filter import assumed_step_of, schedules_of, segment_history
+from obscli.numeric.segment_gramian import Piece, left_open, pieces_of
 from obscli.numeric.time_to_observability import times_to_observability
 from obscli.pipelines.request import NumericRequest, Progress, SimulateRequest
 from obscli.pipelines.segments import segments_result
 from obscli.pipelines.segments_result import SegmentsResult
+from obscli.pipelines.simulate_errors import ErrorSteps, carried_out
 from obscli.pipelines.simulate_followed import demands_of, forms_from, linear_forms, sampling_of
-from obscli.pipelines.simulate_needs import lacking
+from obscli.pipelines.simulate_mean import feedback_of, initial_of
+from obscli.pipelines.simulate_needs import refuse_lacking
 from obscli.pipelines.simulate_result import Demand, FollowedForm, SimulateResult, Simulation
 
 
@@ -31,45 +34,57 @@ def simulate_segments(model: Model, request: SimulateRequest, progress: Progress
     Raises
     ------
     RequestError
-        where the model has no segments
+        where the model has no segments, or what was asked for does not fit them
     """
     bounds = segments_result(model, NumericRequest(), "analytic", progress)
     system = replace(bounds.segments.parts[0].system, stage="segments")
+    feedback = feedback_of(system, system, request.feedback)
     try:
-        found = _simulated(bounds, system, request, progress)
+        refuse_lacking(system)
+        pieces = pieces_of(bounds.segments)
+        inserted = initial_of(system, request.initial, pieces[0].start, pieces[0].stop)
+        schedules = schedules_of(pieces, request.step)
+        found = _filtered(bounds, system, pieces, schedules, request, progress)
+
+        def errors(found: Simulation) -> RecordedErrors:
+            return segment_errors(pieces, schedules, linear_forms(system, found.forms), request.recorded)
+
+        asked = ErrorSteps(system, request, inserted, errors, progress)
+        found, interrupted = carried_out(replace(found, feedback=feedback), asked.steps())
     except NotComputableError as error:
         return SimulateResult(model, system, NotComputed(str(error)))
-    if not len(found.history.t):
-        raise KeyboardInterrupt
-    return SimulateResult(model, system, found, interrupted=not found.history.complete)
+    return SimulateResult(model, system, found, interrupted)
 
 
-def _simulated(
-    bounds: SegmentsResult, system: System, request: SimulateRequest, progress: Progress
+def _filtered(
+    bounds: SegmentsResult,
+    system: System,
+    pieces: Sequence[Piece],
+    schedules: Sequence[Schedule],
+    request: SimulateRequest,
+    progress: Progress,
 ) -> Simulation:
-    lack = lacking(system)
-    if lack:
-        raise NotComputableError(lack)
-    pieces = pieces_of(bounds.segments)
-    schedules = schedules_of(pieces, request.step)
+    """Return the covariance of the filter designed on the segments."""
     forms, unsaid = _followed_forms(bounds, system)
     history = segment_history(pieces, schedules, linear_forms(system, forms), request.recorded, progress)
+    if not len(history.t):
+        raise KeyboardInterrupt
     demands = demands_of(system, bounds.model.require)
-    end = dict(zip(history.names, history.deviations[-1], strict=True)) if len(history.t) else {}
-    whole = _whole(schedules)
+    end = dict(zip(history.names, history.deviations[-1], strict=True))
     return Simulation(
-        start=whole.start,
-        stop=whole.stop,
+        start=pieces[0].start,
+        stop=pieces[-1].stop,
         default=False,
         forms=forms,
-        sampling=sampling_of(system, whole),
-        assumed_step=whole.assumed_step,
+        sampling=sampling_of(system, schedules),
+        assumed_step=assumed_step_of(schedules),
         history=history,
-        times=times_to_observability(history, demands, request.fraction) if len(history.t) else (),
+        times=times_to_observability(history, demands, request.fraction),
         fraction=request.fraction,
-        demands=tuple(Demand(name, limit, float(end[name])) for name, limit in demands.items() if end),
+        demands=tuple(Demand(name, limit, float(end[name])) for name, limit in demands.items()),
         unsaid=unsaid,
-        sampled=tuple(one.name for one in system.functions),
+        sampled=left_open(pieces),
+        recorded=system.sampled,
     )
 
 
@@ -83,11 +98,3 @@ def _followed_forms(bounds: SegmentsResult, system: System) -> tuple[tuple[Follo
         return forms_from(system, proved)
     reason = "the rank of the segments is not proved" if proved is None else "it is proved of the start only"
     return forms_from(system, Undecided(system, reason))
-
-
-def _whole(schedules: tuple[Schedule, ...]) -> Schedule:
-    """Return the samples of all segments as those of one interval."""
-    first, last = schedules[0], schedules[-1]
-    t = np.concatenate([one.t for one in schedules])
-    sampled = np.concatenate([one.sampled for one in schedules])
-    return replace(first, stop=last.stop, t=t, sampled=sampled)

@@ -47,6 +47,7 @@ UNIT: Final = 2
 
 #: So many outages of an output are listed, and at so many instants details show deviations.
 MOST: Final = 4
+_ALIKE: Final = 1e-6
 SHOWN: Final = 6
 
 
@@ -131,6 +132,8 @@ def _rate(one: Sampling) -> str:
     if not one.samples:
         return "never sampled"
     every = "once" if one.every is None else f"every {number(one.every)}"
+    if one.longest is not None and one.every is not None and one.longest > one.every * (1 + _ALIKE):
+        every += f" to {number(one.longest)}"
     if not one.outages or one.every is None:
         return every
     gaps = [f"{number(start)} … {number(stop)}" for start, stop in one.outages]

@@ -153,7 +153,7 @@ def runs_blocks(found: MonteCarlo, names: Mapping[str, Cell], *, mismatched: boo
     yield Table(
         CONSISTENCY_COLUMNS, tuple(_judgement_row(one) for one in told), (Text(_band(found), "faint"),)
     )
-    yield _runs_verdict(told)
+    yield _given_verdict() if found.inserted else _runs_verdict(told)
 
 
 def _band(found: MonteCarlo) -> str:
@@ -173,6 +173,14 @@ def _judgement_row(one: Judgement) -> tuple[Cell, ...]:
         line(Text(f"{one.lower:.3f} … {one.upper:.3f}")),
         line(Text(f"{100 * one.inside:.0f} %")),
     )
+
+
+def _given_verdict() -> VerdictLine:
+    words = (
+        "not judged: errors at the start are given (--initial) and the same in all runs, where the filter "
+        "expects them drawn from P0"
+    )
+    return VerdictLine("open", plain(words))
 
 
 def _runs_verdict(told: tuple[Judgement, ...]) -> VerdictLine:
