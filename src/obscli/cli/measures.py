@@ -14,6 +14,7 @@ from obscli.cli.options import (
     FormatOption,
     FromOption,
     MeasureScalingOption,
+    MeasureStepOption,
     OutputOption,
     OutputsOption,
     PlotOption,
@@ -95,14 +96,7 @@ def measures(  # noqa: PLR0913 - one parameter an option
         ),
     ] = None,
     scaling: MeasureScalingOption = None,
-    step: Annotated[
-        float | None,
-        typer.Option(
-            "--step",
-            metavar="S",
-            help="Time between samples, where the file does not say; with --window also between windows.",
-        ),
-    ] = None,
+    step: MeasureStepOption = None,
     window: WindowOption = None,
     stack: StackOption = "discrete",
     frozen: FrozenOption = True,
@@ -131,7 +125,9 @@ def measures(  # noqa: PLR0913 - one parameter an option
     numeric = NumericRequest(start=start, stop=stop)
     request: MeasuresRequest | WindowsRequest
     if window is not None:
-        refuse_with_window(at=at, times=times, select=select, option=option, threshold=threshold)
+        refuse_with_window(
+            segments=segments, at=at, times=times, select=select, option=option, threshold=threshold
+        )
         looked = windows_request(window, step, stack, mu, scaling, frozen=frozen, advice=advice)
         request = replace(looked, stages=tuple(stage or ()), numeric=numeric, show=names(show))
     else:

@@ -351,6 +351,15 @@ StepOption: TypeAlias = Annotated[
         help="Time between samples of the outputs without `every`, in place of the file's `step`.",
     ),
 ]
+MeasureStepOption: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        "--step",
+        callback=_positive,
+        metavar="S",
+        help="Time between samples, where the file does not say; with --window also between windows.",
+    ),
+]
 RecordedOption: TypeAlias = Annotated[
     int,
     typer.Option("--samples", min=2, max=100_000, metavar="N", help="Number of instants in the histories."),

@@ -77,8 +77,10 @@ ShowOption: TypeAlias = Annotated[
 
 
 def refuse_with_window(**options: object) -> None:
-    """Refuse options that ask for one instant, or for measures that windows do not have."""
+    """Refuse options that ask for one instant, for measures that windows do not have, or for segments."""
     given = [name for name, value in options.items() if value]
+    if "segments" in given:
+        raise CommandError("--segments does not go with --window: windows are of stages (--stage)")
     if given:
         raise CommandError(
             f"--{given[0]} does not go with --window, which takes all its values in every window"
