@@ -115,29 +115,28 @@ def step_of(draft: Draft, known: Environment, problems: Problems) -> Expression 
 
 def is_time_invariant(system: System) -> bool:
     """Whether neither the dynamics nor the outputs vary in time."""
-    moving = {system.time} | {one.name for one in system.functions}
-    return not moving & symbols(*system.A.entries.values(), *system.H.entries.values())
+    return varying_entry(system) is None
 
 
 def varying_entry(system: System) -> str | None:
     """Return where the first coefficient that depends on time stands, and its name; None: none does."""
     moving = {system.time} | {one.name for one in system.functions}
-    names = {"H": tuple(one.name for one in system.outputs), system.dynamics_name: system.state_names}
-    for key, matrix in ((system.dynamics_name, system.A), ("H", system.H)):
-        for (i, j), entry in sorted(matrix.entries.items()):
-            if moving & symbols(entry):
-                place = matrix.places.get((i, j))
-                return f"{f'{place}: ' if place else ''}{key}[{names[key][i]}, {system.state_names[j]}]"
-    return None
+    return next((where for entry, where in _entries(system) if moving & symbols(entry)), None)
 
 
 def repeating_entry(system: System) -> str | None:
     """Return where a coefficient contains a function of a multiple of π times the step; None: none does."""
-    for node, where in _functions(system):
-        inside = postorder(node.argument)
-        if system.time in symbols(node.argument) and any(map(_may_be_pi, inside)):
+    for entry, where in _entries(system):
+        if any(_may_repeat(node, system.time) for node in postorder(entry)):
             return where
     return None
+
+
+def _may_repeat(node: Expression, step: str) -> bool:
+    """Whether a node is a function of an argument with the step and what may be π."""
+    if not isinstance(node, Apply) or step not in symbols(node.argument):
+        return False
+    return any(map(_may_be_pi, postorder(node.argument)))
 
 
 def _may_be_pi(node: Expression) -> bool:
@@ -145,14 +144,13 @@ def _may_be_pi(node: Expression) -> bool:
     return isinstance(node, Pi) or (isinstance(node, Apply) and node.function in _INVERSE)
 
 
-def _functions(system: System) -> Iterator[tuple[Apply, str]]:
-    """Yield the elementary functions in the coefficients, and the place of each."""
+def _entries(system: System) -> Iterator[tuple[Expression, str]]:
+    """Yield the coefficients of the dynamics and the outputs, row by row, and the place of each."""
     names = {"H": tuple(one.name for one in system.outputs), system.dynamics_name: system.state_names}
     for key, matrix in ((system.dynamics_name, system.A), ("H", system.H)):
-        for (i, j), entry in matrix.entries.items():
+        for (i, j), entry in sorted(matrix.entries.items()):
             place = matrix.places.get((i, j))
-            where = f"{f'{place}: ' if place else ''}{key}[{names[key][i]}, {system.state_names[j]}]"
-            yield from ((node, where) for node in postorder(entry) if isinstance(node, Apply))
+            yield entry, f"{f'{place}: ' if place else ''}{key}[{names[key][i]}, {system.state_names[j]}]"
 
 
 def require_continuous(system: System, what: str, hint: str = "") -> None:

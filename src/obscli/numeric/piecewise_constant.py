@@ -223,8 +223,5 @@ def _condition(local: Subspaces, some: Segments, moving: Array, units: Array) ->
     N = np.swapaxes(local.right, 1, 2) * hidden[:, None, :]
     residual = np.linalg.norm(A @ N, ord=2, axis=(1, 2))
     size = np.linalg.norm(A, axis=(1, 2))
-    last = np.take_along_axis(local.values, np.maximum(local.rank - 1, 0)[:, None], axis=1)[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        turned = np.where(local.rank > 0, local.tolerance / last, 0.0)
-    known = size * (turned + TOLERANCE * EPS) + TOLERANCE * np.linalg.norm(A_error, axis=(1, 2))
+    known = size * (local.kernel_angle + TOLERANCE * EPS) + TOLERANCE * np.linalg.norm(A_error, axis=(1, 2))
     return residual, known

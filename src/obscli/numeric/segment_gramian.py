@@ -19,7 +19,7 @@ from obscli.model.system import Matrix, Segments, System
 from obscli.numeric.analysis import Numeric, affordable_steps
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.horizon import Horizon, default_samples
-from obscli.numeric.numeric_system import NumericSystem
+from obscli.numeric.numeric_system import NumericSystem, constants_of
 from obscli.numeric.program import EPS, Array, constant_value
 from obscli.numeric.rates import Rates, rates_of
 from obscli.numeric.scaling import chosen_scaling, scaled
@@ -56,8 +56,7 @@ def pieces_of(segments: Segments) -> tuple[Piece, ...]:
         where a parameter has no value, a duration is not positive, or a jump cannot be undone
     """
     first = segments.parts[0].system
-    constants = {one.name: one.nominal for one in first.parameters if one.nominal is not None}
-    values = {name: constant_value(nominal, {}) for name, nominal in constants.items()}
+    values = constants_of(first)
     start = _number(segments.start, values, "the start of the segments")
     found = []
     for one in segments.parts:

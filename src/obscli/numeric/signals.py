@@ -127,14 +127,11 @@ class Signals:
         self._files = samples_of(system)
         if disturbed is not None:
             self._files = tuple(_noisier(one, k, *disturbed) for k, one in enumerate(self._files))
-        first, last = overlap(self._files)
-        room = _END * (last - first)
-        if start < first - room or stop > last + room:
-            raise NotComputableError(outside(self._files, start, stop))
+        require_covered(self._files, start, stop, asked=False)
         for file, one in zip(system.signals, self._files, strict=True):
             _require_no_gap(file, one, start, stop)
         self._of = {name: (file, k) for file in self._files for k, name in enumerate(file.names)}
-        self._ends = first, last
+        self._ends = overlap(self._files)
 
     @property
     def names(self) -> frozenset[str]:

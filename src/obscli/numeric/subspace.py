@@ -71,6 +71,14 @@ class Subspaces:
         return tolerance
 
     @cached_property
+    def kernel_angle(self) -> Array:
+        """The angle to which the kernel is known: tolerance/σ_r, 0 where r is 0, shape (N,)."""
+        last = np.take_along_axis(self.values, np.maximum(self.rank - 1, 0)[:, None], axis=1)[:, 0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found: Array = np.where(self.rank > 0, self.tolerance / last, 0.0)
+        return found
+
+    @cached_property
     def gap(self) -> Array:
         """σ_r / max(σ_{r+1}, ν): how clearly observable and unobservable part; not a number where r is 0."""
         padded = np.hstack([np.full((len(self.rank), 1), np.nan), self.values, np.zeros((len(self.rank), 1))])

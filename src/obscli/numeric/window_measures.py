@@ -109,10 +109,7 @@ def identifiable(spaces: Subspaces, along: Array) -> Flags:
     """
     hidden = np.arange(spaces.n) >= spaces.rank[:, None]
     outside = np.sqrt(((along**2) * hidden[:, None, :]).sum(axis=2))
-    last = np.take_along_axis(spaces.values, np.maximum(spaces.rank - 1, 0)[:, None], axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        turned = spaces.tolerance[:, None] / last
-    within: Flags = (outside <= np.nan_to_num(turned, nan=0.0)) & (spaces.rank > 0)[:, None]
+    within: Flags = (outside <= spaces.kernel_angle[:, None]) & (spaces.rank > 0)[:, None]
     return within
 
 
