@@ -17,6 +17,7 @@ from obscli.numeric.horizon import Wanted
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.scaling import scaled
 from obscli.numeric.settings import Effort, Settings
+from obscli.numeric.signal_noise import noisier
 from obscli.numeric.square_root import square_root_gramian
 from obscli.numeric.subspace import subspaces
 
@@ -67,13 +68,27 @@ def test_level_flight_excites_eight_directions(flight, force, attitude, shown):
     numeric = flight(force, attitude, told=(0.05, 2e-4))
     assert numeric.rank == shown
     found = excitation(numeric)
-    assert (found.excited, len(found.ratios)) == (8, shown)
+    assert (found.excited, found.calm, len(found.ratios)) == (8, 8, shown)
     assert set(found.not_excited) == {"phi_U", *TRUTH}
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_verdict_does_not_hang_on_the_draw(flight, seed):
     assert excitation(flight(0.05, 2e-4, told=(0.05, 2e-4), seed=10 + seed)).excited == 8
+
+
+@pytest.mark.parametrize(("seed", "clear"), [(8, 9), (3, 8)])
+def test_noise_that_is_not_white_is_no_motion_either(flight, seed, clear):
+    """A slow drift of the size stated for noise may stand far above white noise; a calm flight explains it."""
+
+    def drifting(t):
+        drift = np.cumsum(np.random.default_rng(seed).standard_normal((len(t), 3)), axis=0)
+        return np.hstack([0.05 * (drift - drift.mean(axis=0)) / drift.std(axis=0), np.zeros((len(t), 3))])
+
+    found = excitation(flight(told=(0.05, 2e-4), motion=drifting))
+    assert (found.clear, found.calm, found.excited) == (clear, 8, 8)
+    assert set(found.not_excited) == {"phi_U", *TRUTH}
+    assert excitation(flight(told=(0.005, 2e-4), motion=drifting)).excited == 9
 
 
 def test_without_a_stated_noise_nothing_is_tested(flight):
@@ -123,7 +138,7 @@ def test_only_samples_of_the_window_are_counted(flight, monkeypatch):
 def test_the_pair_is_two_systems_side_by_side(flight):
     numeric = flight(0.05, 2e-4, told=(0.05, 2e-4))
     one, n = numeric.system, numeric.system.n
-    other = NumericSystem(one.system, 0, 60, (deviations_of(one.system), 1))
+    other = NumericSystem(one.system, 0, 60, noisier(deviations_of(one.system), 1))
     instant = np.array([60.0])
     effort = numeric.settings.step_error
 

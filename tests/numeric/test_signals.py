@@ -17,6 +17,7 @@ from obscli.numeric.motion import Motion
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.program import Program, jet
 from obscli.numeric.settings import Settings
+from obscli.numeric.signal_noise import noisier
 from obscli.numeric.signal_table import read_columns
 from obscli.numeric.signals import Samples, Signals, slopes_of
 
@@ -289,7 +290,7 @@ def test_entries_on_one_file_get_noise_of_their_own(tmp_path):
     system = load(tmp_path / "m.yaml").systems[0]
 
     def drawn(draw):
-        found = Signals(system, 0, 49, ({"f": 1.0, "g": 2.0}, draw)).values(t[:490], {})
+        found = Signals(system, 0, 49, noisier({"f": 1.0, "g": 2.0}, draw)).values(t[:490], {})
         return np.array([found["f"], found["g"]])
 
     noise = np.concatenate([drawn(0), drawn(1)])

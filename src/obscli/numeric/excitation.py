@@ -12,6 +12,9 @@ singular vectors of N = E V S⁻¹, and those are excited whose singular value i
 kernel, are hidden; a state is not excited where a hidden direction contains it, beyond what noise may do.
 What of E v looks like a change along excited directions is left out, since v was chosen free of that in R:
 E v is projected, and the rest tried again until no direction is added.
+
+Noise that is not white may look like motion where white noise of its size does not. So the rank is found on
+the calmest record, too, that noise of this size explains (``signal_noise``): what it hides is hidden.
 """
 
 from __future__ import annotations
@@ -27,8 +30,12 @@ from obscli.numeric.analysis import Numeric, affordable_steps
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.numeric_system import NumericSystem, constants_of
 from obscli.numeric.program import Array, constant_value
+from obscli.numeric.scaling import scaled
 from obscli.numeric.settings import STEP_ERROR, Effort
+from obscli.numeric.signal_noise import calmed, noisier
+from obscli.numeric.signals import Changed
 from obscli.numeric.square_root import square_root_gramian
+from obscli.numeric.subspace import Subspaces, subspaces
 
 
 #: κ: e and ẽ are draws of the same size, and may be so far apart where few samples count.
@@ -50,13 +57,17 @@ class Excitation:
     ----------
     t : the instant
     ratios : |R v| / |E v| of the directions that the Gramian shows, the largest first
-    excited : how many of them stand clear of noise
+    clear : how many of them stand clear of white noise
+    excited : how many the calmest record shows, too
+    calm : the rank of the calmest record that the noise explains; None: it is not clear
     not_excited : the states that directions contain which the record does not show, or as noise would
     """
 
     t: float
     ratios: tuple[float, ...]
+    clear: int
     excited: int
+    calm: int | None
     not_excited: tuple[str, ...]
 
 
@@ -101,6 +112,8 @@ def excitation(numeric: Numeric) -> Excitation | None:
     NotComputableError
         where the system with more noise cannot be integrated
     """
+    from scipy.linalg import null_space  # noqa: PLC0415 - for signals with noise only
+
     system = numeric.system.system
     deviations = deviations_of(system)
     clear = np.flatnonzero(numeric.conclusive)
@@ -116,12 +129,24 @@ def excitation(numeric: Numeric) -> Excitation | None:
         [(shown * D @ inverse, noise * D @ inverse) for shown, noise in draws]
     )
     hidden, _ = np.linalg.qr(np.hstack([V[numeric.rank :].T, inverse @ others]))
+    seen = inverse @ clear_ones
+    calm = _calm(numeric, i, deviations)
+    if calm is not None and calm.rank[0] <= seen.shape[1]:  # its kernel is less turned by noise
+        hidden, _ = np.linalg.qr((calm.gramian.units[0] / D)[:, None] * calm.kernel(0))
+        seen = _orthonormal(draws[-1][0] * D, null_space(hidden.T))
     return Excitation(
         t=float(numeric.horizon.instants[i]),
         ratios=tuple(sorted(ratios, reverse=True)),
-        excited=clear_ones.shape[1],
-        not_excited=_touched(numeric, draws, D, hidden, inverse @ clear_ones),
+        clear=clear_ones.shape[1],
+        excited=seen.shape[1],
+        calm=None if calm is None else int(calm.rank[0]),
+        not_excited=_touched(numeric, draws, D, hidden, seen),
     )
+
+
+def _orthonormal(R: Array, X: Array) -> Array:
+    """Return a basis of the directions X that R takes to orthonormal ones."""
+    return np.asarray(np.linalg.solve(np.linalg.qr(R @ X)[1].T, X.T).T, dtype=float)
 
 
 def _told_apart(draws: list[tuple[Array, Array]]) -> tuple[Array, Array, list[float]]:
@@ -164,11 +189,25 @@ def _draws(numeric: Numeric, i: int, deviations: Mapping[str, float]) -> list[tu
     effort = Effort(STEP_ERROR["square-root"], affordable_steps(one))
     found = []
     for draw in range(_DRAWS):
-        other = NumericSystem(one.system, numeric.horizon.start, numeric.horizon.stop, (deviations, draw))
+        other = _changed(numeric, noisier(deviations, draw))
         pair = square_root_gramian(Pair(one, other), start, t, numeric.rates, effort)
         root = pair.matrices[0] / pair.units[0]
         found.append((root[:, :n], root[:, :n] - root[:, n:]))
     return found
+
+
+def _calm(numeric: Numeric, i: int, deviations: Mapping[str, float]) -> Subspaces | None:
+    """Return what the calmest record shows over the window of an instant; None where that is not clear."""
+    start, t = float(numeric.spaces.gramian.starts[i]), numeric.horizon.instants[i : i + 1]
+    other = _changed(numeric, calmed(deviations))
+    effort = Effort(STEP_ERROR["square-root"], affordable_steps(other))
+    gramian = square_root_gramian(other, start, t, numeric.rates, effort)
+    found = subspaces(scaled(gramian, other.system, numeric.scaling))
+    return found if found.decided[0] else None
+
+
+def _changed(numeric: Numeric, how: Changed) -> NumericSystem:
+    return NumericSystem(numeric.system.system, numeric.horizon.start, numeric.horizon.stop, how)
 
 
 def _touched(

@@ -68,7 +68,9 @@ class SignalsFinding:
     ----------
     noise : standard deviations that the file gives, by function; empty: the signals are taken as exact
     t, shown : the instant of the test, and the rank that the Gramian shows there
-    excited : the rank left without what noise of this size alone would show; None: not tested
+    clear : the rank left without what white noise of this size alone would show; None: not tested
+    excited : of that, what the calmest signals show as well that noise of this size explains
+    calm : the rank of these calmest signals; None: not clear, or not tested
     ratios : how far each direction stands above noise, the largest first
     not_excited : states that the record does not show, or no better than noise alone would
     reason : why it was not tested though there is noise; else empty
@@ -78,7 +80,9 @@ class SignalsFinding:
     noise: Mapping[str, float]
     t: float | None = None
     shown: int | None = None
+    clear: int | None = None
     excited: int | None = None
+    calm: int | None = None
     ratios: tuple[float, ...] = ()
     not_excited: tuple[str, ...] = ()
     reason: str = ""

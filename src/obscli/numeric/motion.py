@@ -26,7 +26,7 @@ from obscli.numeric.constraint import RESIDUAL, onto_relations
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.program import Array, Program, Value, jet
 from obscli.numeric.rule import Solution, solve_rules
-from obscli.numeric.signals import Disturbed, Signals
+from obscli.numeric.signals import Changed, Signals
 
 
 _SEED: Final = 20181
@@ -58,7 +58,7 @@ class Motion:
     system : functions, rules and relations
     constants : values of the parameters
     start, stop : the interval of time the motion is for
-    disturbed : noise to be added to signals
+    changed : what is done to the samples of signals first
 
     Raises
     ------
@@ -72,11 +72,11 @@ class Motion:
         constants: Mapping[str, float],
         start: float,
         stop: float,
-        disturbed: Disturbed | None = None,
+        changed: Changed | None = None,
     ) -> None:
         self._system = system
         self._constants = constants
-        self.signals = Signals(system, start, stop, disturbed) if system.sampled else None
+        self.signals = Signals(system, start, stop, changed) if system.sampled else None
         sampled = self.signals.names if self.signals else frozenset[str]()
         left_open = [f for f in system.functions if f.name not in sampled]
         rules = {f.name: f.derivative for f in left_open if f.derivative is not None}

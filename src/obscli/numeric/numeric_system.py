@@ -19,7 +19,7 @@ from obscli.model.system import Covector, Matrix, Parameter, System
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.motion import Motion
 from obscli.numeric.program import ROUNDING, Array, Program, Value, constant_error, constant_value, jet
-from obscli.numeric.signals import Disturbed
+from obscli.numeric.signals import Changed
 
 
 _UNKNOWN: Final = 1e100
@@ -42,7 +42,7 @@ class NumericSystem:
     ----------
     system : the system; parameters take their nominal values
     start, stop : the interval; functions left open follow a sample motion over it, signals their samples
-    disturbed : noise to be added to signals
+    changed : what is done to the samples of signals first
 
     Raises
     ------
@@ -50,10 +50,10 @@ class NumericSystem:
         where a parameter has no value, or no sample motion exists
     """
 
-    def __init__(self, system: System, start: float, stop: float, disturbed: Disturbed | None = None) -> None:
+    def __init__(self, system: System, start: float, stop: float, changed: Changed | None = None) -> None:
         self.system = system
         self.constants = constants_of(system)
-        self.motion = Motion(system, self.constants, start, stop, disturbed) if system.functions else None
+        self.motion = Motion(system, self.constants, start, stop, changed) if system.functions else None
         moving = range(system.n) if system.discrete else sorted({i for i, _ in system.A.entries})
         self.moving = np.array(moving, dtype=int)
         self._program = Program([*system.A.entries.values(), *system.H.entries.values()])

@@ -16,8 +16,8 @@ highest derivative they name is continuous: of order 2, 0 and −1.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Final, TypeAlias
@@ -41,9 +41,6 @@ _GAP: Final = 10.0
 
 #: An instant beyond the samples by less than this share of their span is at their end.
 _END: Final = 1e-9
-
-#: Standard deviations of noise to be added to samples by function, and which draw of it.
-Disturbed: TypeAlias = tuple[Mapping[str, float], int]
 
 #: Roundings in a polynomial of the third degree, about.
 _ROUNDINGS: Final = 4.0
@@ -114,8 +111,12 @@ class Samples:
         return np.asarray(found.T, dtype=float)
 
 
+#: Changes the samples of an entry of ``signals``, given its number.
+Changed: TypeAlias = Callable[[int, Samples], Samples]
+
+
 class Signals:
-    """The functions of a system that files give, from start to stop.
+    """The functions of a system that files give, from start to stop; ``changed``: what is done to them first.
 
     Raises
     ------
@@ -123,10 +124,10 @@ class Signals:
         where a file is not as the model says, has a gap in the interval, or does not cover it
     """
 
-    def __init__(self, system: System, start: float, stop: float, disturbed: Disturbed | None = None) -> None:
+    def __init__(self, system: System, start: float, stop: float, changed: Changed | None = None) -> None:
         self._files = samples_of(system)
-        if disturbed is not None:
-            self._files = tuple(_noisier(one, k, *disturbed) for k, one in enumerate(self._files))
+        if changed is not None:
+            self._files = tuple(changed(k, one) for k, one in enumerate(self._files))
         require_covered(self._files, start, stop, asked=False)
         for file, one in zip(system.signals, self._files, strict=True):
             _require_no_gap(file, one, start, stop)
@@ -190,19 +191,6 @@ class Signals:
             first, last = np.searchsorted(file.t, [start + near, stop - near])
             parts.append(file.t[first:last])
         return np.unique(np.concatenate(parts)) if parts else np.empty(0)
-
-
-def _noisier(samples: Samples, entry: int, deviations: Mapping[str, float], draw: int) -> Samples:
-    """Return the samples with white noise added; another draw for every number and entry of ``signals``."""
-    places = [k for k, name in enumerate(samples.names) if name in deviations]
-    seed = [draw, entry]
-    sizes = np.array([deviations[samples.names[k]] for k in places])
-    noise = sizes * np.random.default_rng(seed).standard_normal((len(samples.t), len(places)))
-    values, slopes = samples.values.copy(), samples.slopes.copy()
-    values[:, places] += noise
-    if samples.interpolation == "cubic":
-        slopes[:, places] += slopes_of(samples.t, noise)
-    return replace(samples, values=values, slopes=slopes)
 
 
 def samples_of(system: System) -> tuple[Samples, ...]:

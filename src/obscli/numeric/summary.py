@@ -65,7 +65,9 @@ def _signals(numeric: Numeric) -> SignalsFinding | None:
         found,
         t=tested.t,
         shown=len(tested.ratios),
+        clear=tested.clear,
         excited=tested.excited,
+        calm=tested.calm,
         ratios=tested.ratios,
         not_excited=tested.not_excited,
     )

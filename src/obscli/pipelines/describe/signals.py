@@ -59,11 +59,17 @@ def _excited(found: NumericFinding, signals: SignalsFinding) -> Iterator[Text]:
     yield Text(str(signals.excited), "strong")
     yield Text(f" of {counted(n, 'direction')} up to {number(signals.t)}")
     if signals.is_noise:
-        noise = ", ".join(short(ratio) for ratio in signals.ratios[signals.excited :])
         yield Text(f"; the Gramian shows {signals.shown}", "open")
+    if signals.clear != signals.shown:
+        noise = ", ".join(short(ratio) for ratio in signals.ratios[signals.clear :])
         yield Text(f", but noise alone would show the rest as well (record over noise: {noise})")
     elif signals.ratios:
         yield Text(f"; the weakest stands {short(signals.ratios[-1])} times above noise")
+    if signals.excited != signals.clear:
+        yield Text(f"; noise that is not white may show more than {signals.excited}: the calmest signals")
+        yield Text(" within the deviations given show that many")
+    elif signals.is_noise and signals.calm == signals.excited:
+        yield Text("; the calmest signals within the noise show no more")
 
 
 def taken_as_exact(system: System) -> Iterator[Block]:
