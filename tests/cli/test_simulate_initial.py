@@ -70,7 +70,13 @@ def test_the_error_is_the_expression_at_the_start(simulated):
 
 
 @pytest.mark.parametrize(
-    "way", [["--correction", "feedback"], ["--feedback", "e"], ["--feedback", "sigma<0.5"]]
+    "way",
+    [
+        ["--correction", "feedback"],
+        ["--feedback", "e"],
+        ["--feedback", "sigma<0.5"],
+        ["--feedback", "sigma>2"],
+    ],
 )
 def test_feedback_changes_nothing_of_the_filter_of_the_model_itself(simulated, way):
     arguments = ("channel.yaml", "--initial", "V=1,e_bias=0.01", "--runs", 5)
@@ -86,7 +92,7 @@ def test_of_a_filter_on_another_truth_true_errors_and_the_mean_follow_the_feedba
     arguments = ("channel.yaml", "--set", "g=9", "--filter", "reduced.yaml", "--initial", "e_tilt=0.001")
     alone, found = simulated(*arguments), simulated(*arguments, "--feedback", "e_tilt,sigma<0.9")
 
-    assert found["feedback"] == {"states": ["e_tilt"], "below": 0.9}
+    assert found["feedback"] == {"states": ["e_tilt"], "below": 0.9, "above": None}
     assert found["history"]["mean"] is None
     assert found["mismatch"]["mean"] == found["initial"]["mean"]
     assert set(found["mismatch"]["mean"]) == {"V", "e_tilt", "own"}
@@ -122,6 +128,9 @@ def test_files_figures_and_the_report_have_it(obscli, files, monkeypatch):
         (["--correction", "output", "--feedback", "V"], "feeds nothing back"),
         (["--feedback", "W"], "the filter has no state 'W'"),
         (["--feedback", "sigma<-1"], "expected one sigma<C"),
+        (["--feedback", "sigma>0"], "expected one sigma>C"),
+        (["--feedback", "sigma >x"], "expected one sigma>C"),
+        (["--feedback", "sigma=1"], "no state 'sigma=1'"),
         (["--feedback", "sigma<1,sigma<2"], "expected one sigma<C"),
         (
             ["--filter", "reduced.yaml", "--feedback", "own"],
@@ -149,7 +158,7 @@ def test_segments_have_an_initial_error_and_runs_as_well(obscli, files):
     for name, mean in one["initial"]["mean"].items():
         assert parts["initial"]["mean"][name][-1] == pytest.approx(mean[-1], rel=1e-6, abs=1e-12)
     assert parts["monte_carlo"]["inserted"]
-    assert parts["feedback"] == {"states": None, "below": None}
+    assert parts["feedback"] == {"states": None, "below": None, "above": None}
     refused = obscli("simulate", "parts.yaml", "--segments", "--filter", "reduced.yaml")
     assert refused.status == 2
     assert "leave out --stage, --from, --to, --filter" in " ".join(refused.err.split())

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
+from scipy.linalg import expm, sqrtm
 
 from obscli.model.reader import load
 from obscli.numeric.errors import UnfitRequestError
@@ -16,7 +16,9 @@ from obscli.numeric.mean_response import mean_response
 from obscli.numeric.mismatched import mismatch_history
 from obscli.numeric.monte_carlo import monte_carlo
 from obscli.numeric.recorded_errors import recorded_errors
+from obscli.numeric.sampled_system import SampledSystem
 from obscli.numeric.schedule import schedule_of
+from obscli.numeric.well_observable import equivalent_at_samples
 
 
 TURNING = """\
@@ -101,6 +103,36 @@ def test_a_filter_on_another_truth_is_that_of_its_recursion(system, feedback, ta
     place = [int(np.abs(found.t - 0.5 * k).argmin()) for k in range(41)]
     assert found.mean[place] == pytest.approx(expected, abs=1e-10)
     assert found.before == pytest.approx([-2.0, 1.0, 0.5])
+
+
+def test_the_states_that_are_well_observable_are_fed_back(system):
+    """σ̃ is the diagonal of (RᵀR)^½, R of as many samples as states, in units of P0 and the noise."""
+    truth, own = system(TRUE), system(FILTER)
+    step = expm(0.5 * A_OWN)
+    R = np.array([[0, 1.0, 0] @ np.linalg.matrix_power(step, j) for j in range(3)]) * [1, 1, 0.5] / 0.3
+    v, x, b = np.diag(sqrtm(R.T @ R)).real
+    assert b < v < x
+    initial = [1.0, -2.0, 0.5, 0.7]
+    for above, states in (((v + x) / 2, ("x",)), ((v + b) / 2, ("x", "v")), (b / 2, None)):
+        found = responds(truth, initial, 20, own, feedback=Feedback(above=above))
+        expected = responds(truth, initial, 20, own, feedback=Feedback(states))
+        np.testing.assert_allclose(found.mean, expected.mean, rtol=1e-12, atol=1e-14)
+    both = responds(truth, initial, 20, own, feedback=Feedback(("v", "b"), above=(v + b) / 2))
+    only = responds(truth, initial, 20, own, feedback=Feedback(("v",)))
+    np.testing.assert_allclose(both.mean, only.mean, rtol=1e-12, atol=1e-14)
+
+
+def test_what_is_well_observable_changes_along_the_way(system):
+    given = system(TURNING)
+    schedule = schedule_of(given, 0, 10)
+    found = equivalent_at_samples(SampledSystem(given, schedule))
+    whitening = np.linalg.inv(np.linalg.cholesky([[0.04, 0.05], [0.05, 0.25]]))
+    for k in (0, 7, 40):
+        t = schedule.t[k]
+        A = np.array([[0, np.cos(t), 1], [-1 / 3, -1 / 5, 0], [0, 0, -1 / 40]])
+        H = whitening @ np.array([[1, 0, 0], [0, 1, np.sin(t / 2)]])
+        R = np.concatenate([H @ expm(0.25 * j * A) for j in range(3)]) * [1, 2, 0.5]
+        np.testing.assert_allclose(found[k], np.diag(sqrtm(R.T @ R)).real, rtol=1e-9)
 
 
 def test_what_is_fed_back_matters_where_the_truth_is_another(system):

@@ -89,8 +89,8 @@ def simulate(  # noqa: PLR0913 - one parameter an option
         typer.Option(
             "--feedback",
             metavar="STATE,…",
-            help="Feed back the estimates of these states or vectors only; sigma<C: only while their "
-            "deviation is below C of its prior.",
+            help="Feed back the estimates of these states or vectors only; sigma>C: only while their "
+            "equivalent singular value is above C; sigma<C: while their deviation is below C of its prior.",
         ),
     ] = None,
     fraction: FractionOption = 0.1,

@@ -25,12 +25,14 @@ from obscli.numeric.program import Array, Flags
 class Feedback:
     """Which estimates are fed back after each sample.
 
-    ``states``: their names, None: all that both models have; ``below``: of these, only those whose deviation,
-    as the filter claims it, is then below this fraction of its prior.
+    ``states``: their names, None: all that both models have. Of these, ``above``: only those whose equivalent
+    singular value is then above this, see ``well_observable``; ``below``: only those whose deviation, as the
+    filter claims it, is then below this fraction of its prior.
     """
 
     states: tuple[str, ...] | None = None
     below: float | None = None
+    above: float | None = None
 
     def allowed(self, own: Sequence[str], true: Sequence[str]) -> Flags:
         """Return which states of the filter may be fed back, shape (n_f,).

@@ -27,6 +27,7 @@ from obscli.numeric.progress import Progress
 from obscli.numeric.sampled_system import SampledSystem, Stretch, Timeline
 from obscli.numeric.schedule import Schedule
 from obscli.numeric.square_root_filter import compressed, measured, refuse_infinite
+from obscli.numeric.well_observable import equivalent_at_samples
 
 
 #: Instants closer than this, in steps, are one.
@@ -116,6 +117,9 @@ class Pair:
         self.common = _among(*states)
         self._feedback = feedback
         self._allowed = None if feedback is None else feedback.allowed(*states)
+        self._equivalent = None
+        if feedback is not None and feedback.above is not None and not self.own:
+            self._equivalent = equivalent_at_samples(design)
         self._check_time()
         names = [[one.name for one in system.numeric.system.outputs] for system in (design, truth)]
         self._outputs = _among(*names)
@@ -207,7 +211,8 @@ class Pair:
                 entered = None if own.noise is None else own.noise[k]
                 root, innovation = outputs.taken(k, root, entered, errors)
                 if outputs.count[k]:
-                    self._feed_back(true.transition[k], own.transition[k], root, errors)
+                    parts = true.transition[k], own.transition[k]
+                    self._feed_back(*parts, root, int(timeline.sample[own.first + k]), errors)
                 if marks[own.first + k]:
                     refuse_infinite(timeline.t[own.first + k], root, errors.columns)
                     to_errors = self._errors_by(true.transition[k], own.transition[k])
@@ -223,7 +228,7 @@ class Pair:
             return ((one, one) for one in self.design.stretches(timeline))
         return zip(self.truth.stretches(timeline), self.design.stretches(timeline), strict=True)
 
-    def _feed_back(self, true_part: Array, own_part: Array, root: Array, errors: Errors) -> None:
+    def _feed_back(self, true_part: Array, own_part: Array, root: Array, sample: int, errors: Errors) -> None:
         """Feed back the estimates at an instant of a panel, those that are to be."""
         taken, feedback = self._allowed, self._feedback
         if taken is None or feedback is None or self.own:
@@ -231,6 +236,8 @@ class Pair:
         if feedback.below is not None:
             deviations = np.linalg.norm(own_part @ root, axis=1)
             taken = taken & (deviations < feedback.below * np.linalg.norm(self.design.prior, axis=1))
+        if feedback.above is not None and self._equivalent is not None:
+            taken = taken & (self._equivalent[sample] > feedback.above)
         if taken.any():
             errors.move(fed_back(self.common, true_part, own_part, taken))
 

@@ -134,7 +134,11 @@ def _mean(one: Initial) -> dict[str, list[float | str | None]]:
 
 
 def _feedback(one: Feedback) -> dict[str, object]:
-    return {"states": None if one.states is None else list(one.states), "below": one.below}
+    return {
+        "states": None if one.states is None else list(one.states),
+        "below": one.below,
+        "above": one.above,
+    }
 
 
 def _time(one: TimeToObservability) -> dict[str, object]:

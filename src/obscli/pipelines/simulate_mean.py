@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 
@@ -18,6 +19,13 @@ from obscli.numeric.numeric_system import NumericSystem, missing_values
 from obscli.numeric.program import Array
 from obscli.pipelines.reading import unknown
 from obscli.pipelines.request import RequestError
+
+
+_LIMIT: Final = re.compile(r"sigma\s*[<>]")
+_MEANT: Final = {
+    "<": "C a positive number: the fraction of its prior below which a state's deviation has to be",
+    ">": "C a positive number: what a state's equivalent singular value has to exceed",
+}
 
 
 def initial_of(system: System, given: Sequence[tuple[str, str]], start: float, stop: float) -> Array | None:
@@ -53,7 +61,11 @@ def initial_of(system: System, given: Sequence[tuple[str, str]], start: float, s
 
 
 def feedback_of(design: System, true: System, given: Sequence[str] | None) -> Feedback | None:
-    """Return what is fed back; ``given``: None nothing, empty all, else states, vectors, one ``sigma<c``.
+    """Return what is fed back.
+
+    Parameters
+    ----------
+    given : None: nothing; empty: all; else states and vectors, one ``sigma>c``, one ``sigma<c``
 
     Raises
     ------
@@ -62,25 +74,24 @@ def feedback_of(design: System, true: System, given: Sequence[str] | None) -> Fe
     """
     if given is None:
         return None
-    limits = [one for one in given if one.startswith("sigma") and "<" in one]
-    below = _limit(limits) if limits else None
+    limits = [one for one in given if _LIMIT.match(one)]
+    below, above = (_limit(limits, sign) for sign in "<>")
     states: list[str] = []
     for name in (one for one in given if one not in limits):
         states += _states(design, true, name)
-    return Feedback(tuple(dict.fromkeys(states)) or None, below)
+    return Feedback(tuple(dict.fromkeys(states)) or None, below, above)
 
 
-def _limit(limits: Sequence[str]) -> float:
-    number = re.fullmatch(r"sigma\s*<\s*(\S+)", limits[0])
+def _limit(limits: Sequence[str], sign: str) -> float | None:
+    found = [one for one in limits if sign in one]
+    if not found:
+        return None
     try:
-        value = float(number[1]) if number else math.nan
+        value = float(found[0].partition(sign)[2])
     except ValueError:
         value = math.nan
-    if len(limits) > 1 or not value > 0:
-        raise RequestError(
-            f"--feedback {', '.join(limits)}: expected one sigma<C, C a positive number: the fraction of its "
-            "prior below which a state's deviation has to be"
-        )
+    if len(found) > 1 or not value > 0:
+        raise RequestError(f"--feedback {', '.join(found)}: expected one sigma{sign}C, {_MEANT[sign]}")
     return value
 
 

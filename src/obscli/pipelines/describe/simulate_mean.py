@@ -51,13 +51,18 @@ def _numbers(found: MeanResponse, k: int) -> Iterator[Cell]:
     yield line(Text(number(float(found.t[largest]))))
 
 
+#: Of which the equivalent singular value is taken.
+_WINDOW: Final = "as many samples as states, A and H frozen, in units of P0 and the noise"
+
+
 def feedback_note(feedback: Feedback, *, mismatched: bool) -> Note:
     """Return what is fed back, and what that changes."""
     what = "the estimates" if feedback.states is None else f"the estimates of {', '.join(feedback.states)}"
-    limit = (
-        ""
-        if feedback.below is None
-        else f" whose deviation is below {short(feedback.below)} of the prior, as the filter claims it,"
-    )
+    limits = []
+    if feedback.above is not None:
+        limits.append(f"equivalent singular value (of {_WINDOW}) is above {short(feedback.above)}")
+    if feedback.below is not None:
+        limits.append(f"deviation is below {short(feedback.below)} of the prior, as the filter claims it")
+    limit = f" whose {' and whose '.join(limits)}," if limits else ""
     same = "" if mismatched else "; the filter has the model itself: errors are those of output correction"
     return Note("note", plain(f"{what}{limit} are fed back after each sample{same}"))
