@@ -74,6 +74,7 @@ class SignalsFinding:
     ratios : how far each direction stands above noise, the largest first
     not_excited : states that the record does not show, or no better than noise alone would
     reason : why it was not tested though there is noise; else empty
+    doubts : what looks as if it were in another unit
     """
 
     files: tuple[SampledFile, ...]
@@ -86,6 +87,7 @@ class SignalsFinding:
     ratios: tuple[float, ...] = ()
     not_excited: tuple[str, ...] = ()
     reason: str = ""
+    doubts: tuple[str, ...] = ()
 
     @property
     def is_noise(self) -> bool:

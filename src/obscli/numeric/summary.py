@@ -11,6 +11,7 @@ from obscli.numeric.echelon import echelon_curves
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.excitation import deviations_of, excitation
 from obscli.numeric.finding import NumericFinding, NumericPoint, SampledFile, SignalsFinding
+from obscli.numeric.signal_units import doubts
 
 
 def finding_of(numeric: Numeric, *, bases: bool = False, verdicts: bool = True) -> NumericFinding:
@@ -54,7 +55,8 @@ def _signals(numeric: Numeric) -> SignalsFinding | None:
         SampledFile(one.file, one.names, len(one.t), float(one.t[0]), float(one.t[-1]), one.interpolation)
         for one in signals.files
     )
-    found = SignalsFinding(files, deviations_of(numeric.system.system))
+    system = numeric.system.system
+    found = SignalsFinding(files, deviations_of(system), doubts=doubts(system))
     try:
         tested = excitation(numeric)
     except NotComputableError as error:

@@ -65,6 +65,7 @@ def _signals(found: SignalsFinding) -> dict[str, object]:
         "ratios": [json_number(ratio) for ratio in found.ratios],
         "not_excited": list(found.not_excited),
         "reason": found.reason,
+        "doubts": list(found.doubts),
     }
 
 

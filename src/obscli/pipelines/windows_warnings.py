@@ -12,6 +12,7 @@ from obscli.model.expression import symbols
 from obscli.model.system import System
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.piecewise_constant import PiecewiseConstant
+from obscli.numeric.signal_units import doubts
 from obscli.numeric.window_measures import WindowValues
 from obscli.numeric.window_scaling import WindowScaling
 from obscli.pipelines.request import WindowsRequest
@@ -31,6 +32,7 @@ def warnings_of(
 ) -> Iterator[str]:
     """Yield the warnings in order of weight."""
     yield from _sample_motion(system)
+    yield from doubts(system)
     yield from _unscaled(scaling)
     yield from _undecided(values)
     yield from _not_identifiable(names, values)
@@ -42,9 +44,8 @@ def warnings_of(
 def _sample_motion(system: System) -> Iterator[str]:
     """Warn that values are an example where functions are left open."""
     used = symbols(*system.A.entries.values(), *system.H.entries.values())
-    recorded = set(getattr(system, "sampled", ()))
-    left = [one.name for one in system.functions if one.derivative is None and one.name in used]
-    names = [name for name in left if name not in recorded]
+    open_ = [one.name for one in system.functions if one.derivative is None and one.name in used]
+    names = [name for name in open_ if name not in system.sampled]
     if names:
         verb = "follows" if len(names) == 1 else "follow"
         yield f"{_listed(names)} {verb} a sample motion, no data: the values are an example"

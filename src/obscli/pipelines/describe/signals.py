@@ -11,6 +11,7 @@ from obscli.core.number import plain as number
 from obscli.exact.finding import Analysis
 from obscli.model.system import System
 from obscli.numeric.finding import NumericFinding, SignalsFinding
+from obscli.numeric.signal_units import doubts
 from obscli.pipelines.describe.words import names
 from obscli.pipelines.stage_result import StageResult
 
@@ -30,6 +31,8 @@ def signal_blocks(result: StageResult) -> Iterator[Block]:
     signals = found.signals
     yield Heading(2, plain("Signals"))
     yield Table(COLUMNS, tuple(_facts(result, found, signals)))
+    for text in signals.doubts:
+        yield Note("warning", plain(text))
     if not signals.noise:
         yield Note("warning", plain(EXACT.format(name=signals.files[0].names[0])))
     if signals.reason:
@@ -80,6 +83,8 @@ def taken_as_exact(system: System) -> Iterator[Block]:
             "told by `obscli analyze` with their deviations under `noise`"
         )
         yield Note("note", plain(text))
+        for doubt in doubts(system):
+            yield Note("warning", plain(doubt))
 
 
 def excited_rank(result: StageResult) -> int | None:
