@@ -220,6 +220,34 @@ def test_a_filter_in_discrete_time_over_segments_is_that_of_its_recursion():
     np.testing.assert_allclose(response.mean, [error for _, _, error in expected], rtol=1e-10)
 
 
+def test_the_gramian_in_discrete_time_is_that_of_the_outputs_so_far():
+    """W(k) of x(k): rows H(j) Φ⁻¹(k, j) of all samples so far, one at an instant of a jump before it."""
+    numeric, pieces, ends = segment_numeric(read_text(JUMPING, "m.yaml").segments, Settings(scaling="none"))
+    F = [np.array([[1, 1], [0, 1]]), np.array([[1, 0.5], [0, 0.9]])]
+    H, J = [np.array([[1.0, 0]]), np.array([[1.0, 1]])], np.array([[1.0, 0], [2, 1]])
+    rows, expected = np.zeros((0, 2)), {}
+    for k in range(10):
+        part = 0 if k <= 4 else 1
+        rows = np.concatenate([rows @ np.linalg.inv(F[part]), H[part]]) if k else H[0]
+        expected[k] = rows.T @ rows
+        if k == 4:
+            rows = rows @ np.linalg.inv(J)
+    gramian = numeric.spaces.gramian
+    for k, root, units in zip(gramian.instants, gramian.matrices, gramian.units, strict=True):
+        np.testing.assert_allclose((root / units).T @ (root / units), expected[int(k)], rtol=1e-12)
+    assert [float(gramian.instants[k]) for k in ends] == [piece.stop for piece in pieces] == [4.0, 9.0]
+    found = result(JUMPING)
+    assert (found.rank, found.numeric.rank, found.numeric.points[-1].t) == (2, 2, 9.0)
+
+
+def test_steps_of_segments_in_discrete_time_are_whole_and_can_be_undone():
+    with pytest.raises(NotComputableError, match=r"the end of segment a is 3\.5: a discrete-time model counts"):
+        pieces_of(read_text(JUMPING.replace("duration: 4", "duration: 3.5"), "m.yaml").segments)
+    singular = read_text(JUMPING.replace("[[1, 0.5], [0, 0.9]]", "[[1, k - 6], [0, k - 6]]"), "m.yaml")
+    with pytest.raises(NotComputableError, match="F at step 6 cannot be undone"):
+        segment_numeric(singular.segments, Settings())
+
+
 def test_an_error_that_is_given_is_the_same_in_all_runs():
     """The mean of the runs is then the mean response, and what it leaves to chance is drawn as before."""
     pieces = pieces_of(read_text(JUMPING, "m.yaml").segments)

@@ -37,12 +37,16 @@ def discrete_horizon(system: System, wanted: Wanted) -> Horizon:
     given = system.interval
     start_given = wanted.start or (given.start if given else None)
     stop_given = wanted.stop or (given.stop if given else None)
-    start = 0.0 if start_given is None else whole(number_of(system, start_given, "the start"), "the start")
+    start = (
+        0.0
+        if start_given is None
+        else whole(number_of(system, start_given, "the start"), "the start of the interval")
+    )
     origin: Literal["given", "default"] = "given" if stop_given is not None else "default"
     if stop_given is None:
         stop = start + max(_STEPS, _PER_STATE * system.n)
     else:
-        stop = whole(number_of(system, stop_given, "the stop"), "the stop")
+        stop = whole(number_of(system, stop_given, "the stop"), "the stop of the interval")
     if wanted.times:
         instants = np.unique([_asked(number_of(system, t, "an instant")) for t in wanted.times])
         if stop_given is None:
@@ -85,7 +89,5 @@ def whole(value: float, what: str) -> float:
     """
     nearest = float(np.round(value))
     if abs(value - nearest) > _WHOLE * max(1.0, abs(value)):
-        raise NotComputableError(
-            f"{what} of the interval is {value:.6g}: a discrete-time model counts steps, whole numbers"
-        )
+        raise NotComputableError(f"{what} is {value:.6g}: a discrete-time model counts steps, whole numbers")
     return nearest

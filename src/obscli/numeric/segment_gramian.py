@@ -17,6 +17,9 @@ import numpy as np
 from obscli.model.expression import Expression
 from obscli.model.system import Matrix, Segments, System
 from obscli.numeric.analysis import Numeric, affordable_steps
+from obscli.numeric.discrete_analysis import step_rates
+from obscli.numeric.discrete_forward import forward_steps
+from obscli.numeric.discrete_horizon import whole
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.horizon import Horizon, default_samples
 from obscli.numeric.numeric_system import NumericSystem, constants_of
@@ -61,6 +64,8 @@ def pieces_of(segments: Segments) -> tuple[Piece, ...]:
     found = []
     for one in segments.parts:
         stop = _number(one.stop, values, f"the end of segment {one.name}")
+        if one.system.discrete:
+            stop = whole(stop, f"the end of segment {one.name}")
         if not stop > start:
             raise NotComputableError(f"the duration of segment {one.name} is not positive at these values")
         jump = None if one.jump is None else _matrix(one.jump, values, one.name)
@@ -125,10 +130,14 @@ def segment_numeric(
         if chain is None:
             chain = Chain(last)
         chain.enter(last)
-        rates.append(rates_of(last, np.linspace(piece.start, piece.stop, _PROBES)[1:-1]))
-        effort = Effort(settings.step_error, affordable_steps(last))
-        edges = edges_of(piece.start, own, longest_step(rates[-1]), effort.most_steps)
-        found += snapshots(panels(last, edges, effort), chain, own)
+        rates.append(_rates(last, piece))
+        if piece.system.discrete:
+            steps = forward_steps(last, piece.start, piece.stop, first=piece is pieces[0])
+        else:
+            effort = Effort(settings.step_error, affordable_steps(last))
+            edges = edges_of(piece.start, own, longest_step(rates[-1]), effort.most_steps)
+            steps = panels(last, edges, effort)
+        found += snapshots(steps, chain, own)
         if piece.jump is not None:
             chain.jump(np.asarray(np.linalg.inv(piece.jump), dtype=float))
     assert last is not None
@@ -141,6 +150,12 @@ def segment_numeric(
     return numeric, pieces, np.cumsum([len(own) for own in instants]) - 1
 
 
+def _rates(system: NumericSystem, piece: Piece) -> Rates:
+    if piece.system.discrete:
+        return step_rates(system, Horizon(piece.start, np.array([piece.stop]), "given"))
+    return rates_of(system, np.linspace(piece.start, piece.stop, _PROBES)[1:-1])
+
+
 def _instants(pieces: Sequence[Piece], count: int) -> list[Array]:
     """Return instants of every segment, its end the last of them, about so many in all."""
     total = pieces[-1].stop - pieces[0].start
@@ -149,6 +164,8 @@ def _instants(pieces: Sequence[Piece], count: int) -> list[Array]:
     for one, share in zip(pieces, shares, strict=True):
         own = one.start + (one.stop - one.start) * np.arange(1, share + 1) / share
         own[-1] = one.stop
+        if one.system.discrete:
+            own = np.unique(np.maximum(np.round(own), one.start + 1))
         found.append(own)
     return found
 

@@ -79,17 +79,17 @@ def _point(numeric: Numeric, i: int, *, bases: bool) -> NumericPoint:
     spaces = numeric.spaces
     is_root, gap = spaces.gramian.is_root, float(spaces.root_gap[i])
     values = spaces.values[i] if is_root else np.sqrt(spaces.values[i])
-    tolerance, discrete = float(spaces.tolerance[i]), numeric.system.system.discrete
+    tolerance, forward = float(spaces.tolerance[i]), numeric.horizon.end is not None
     return NumericPoint(
         t=float(spaces.instants[i]),
-        start=float(spaces.instants[i] if discrete else spaces.gramian.starts[i]),
+        start=float(spaces.instants[i] if forward else spaces.gramian.starts[i]),
         rank=int(spaces.rank[i]),
         decided=bool(spaces.decided[i]),
         gap=None if np.isnan(gap) else gap,
         tolerance=tolerance if is_root else float(np.sqrt(tolerance)),
         singular_values=tuple(values.tolist()),
         basis=_basis(numeric, i) if bases else None,
-        stop=float(spaces.gramian.starts[i]) if discrete else None,
+        stop=float(spaces.gramian.starts[i]) if forward else None,
     )
 
 
