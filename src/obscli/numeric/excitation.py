@@ -132,7 +132,8 @@ def excitation(numeric: Numeric) -> Excitation | None:
     seen = inverse @ clear_ones
     calm = _calm(numeric, i, deviations)
     if calm is not None and calm.rank[0] <= seen.shape[1]:  # its kernel is less turned by noise
-        hidden, _ = np.linalg.qr((calm.gramian.units[0] / D)[:, None] * calm.kernel(0))
+        kernel = calm.gramian.units[0][:, None] * calm.right[0, calm.rank[0] :].T
+        hidden, _ = np.linalg.qr(kernel / D[:, None])
         seen = _orthonormal(draws[-1][0] * D, null_space(hidden.T))
     return Excitation(
         t=float(numeric.horizon.instants[i]),
