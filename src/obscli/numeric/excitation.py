@@ -112,8 +112,6 @@ def excitation(numeric: Numeric) -> Excitation | None:
     NotComputableError
         where the system with more noise cannot be integrated
     """
-    from scipy.linalg import null_space  # noqa: PLC0415 - for signals with noise only
-
     system = numeric.system.system
     deviations = deviations_of(system)
     clear = np.flatnonzero(numeric.conclusive)
@@ -132,9 +130,9 @@ def excitation(numeric: Numeric) -> Excitation | None:
     seen = inverse @ clear_ones
     calm = _calm(numeric, i, deviations)
     if calm is not None and calm.rank[0] <= seen.shape[1]:  # its kernel is less turned by noise
-        kernel = calm.gramian.units[0][:, None] * calm.right[0, calm.rank[0] :].T
-        hidden, _ = np.linalg.qr(kernel / D[:, None])
-        seen = _orthonormal(draws[-1][0] * D, null_space(hidden.T))
+        rows = np.linalg.svd(calm.gramian.matrices[0] / calm.gramian.units[0] * D)[2]
+        hidden = rows[calm.rank[0] :].T
+        seen = _orthonormal(draws[-1][0] * D, rows[: calm.rank[0]].T)
     return Excitation(
         t=float(numeric.horizon.instants[i]),
         ratios=tuple(sorted(ratios, reverse=True)),
