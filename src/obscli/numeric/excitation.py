@@ -30,7 +30,7 @@ from obscli.numeric.analysis import Numeric, affordable_steps
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.numeric_system import NumericSystem, constants_of
 from obscli.numeric.program import Array, constant_value
-from obscli.numeric.scaling import scaled
+from obscli.numeric.scaling import scaled, sizes_of
 from obscli.numeric.settings import STEP_ERROR, Effort
 from obscli.numeric.signal_noise import calmed, noisier
 from obscli.numeric.signals import Changed
@@ -215,19 +215,39 @@ def _touched(
     """Return the states that hidden directions contain, beyond what noise turns such a direction by.
 
     To first order noise turns a hidden direction d by −X (R X)ᵀ E d, X the directions seen. Directions are
-    taken as one for each of some states that are turned least, 1 there and 0 at the others of these.
+    taken as one for each of some states, 1 there and 0 at the others of these: see ``_pivots``.
     """
-    from scipy.linalg import qr  # noqa: PLC0415 - for signals with noise only
 
     def turned(directions: Array) -> Array:
         """Return by what each draw turns directions, shape (draws, n, q)."""
         return np.array([seen @ ((shown * D @ seen).T @ (noise * D @ directions)) for shown, noise in draws])
 
+    system = numeric.system.system
     by = np.sqrt((turned(hidden) ** 2).mean(axis=0).sum(axis=1))
-    pivots = qr((hidden / (by + _ROUNDED)[:, None]).T, mode="r", pivoting=True)[-1][: hidden.shape[1]]
+    sizes = np.ones(len(D)) if numeric.scaling == "automatic" else sizes_of(system, numeric.scaling)
+    pivots = _pivots(hidden, by, D / sizes)
     each = hidden @ np.linalg.inv(hidden[pivots])
     moved = turned(each)
     size = np.sqrt(((moved - each @ moved[:, pivots]) ** 2).mean(axis=0))
     contained = (np.abs(each) > CLEAR * size + _ROUNDED).any(axis=1)
-    names = numeric.system.system.state_names
-    return tuple(name for name, touched in zip(names, contained, strict=True) if touched)
+    return tuple(name for name, touched in zip(system.state_names, contained, strict=True) if touched)
+
+
+def _pivots(hidden: Array, by: Array, units: Array) -> list[int]:
+    """Return as many states as there are hidden directions, one after the other those that stand clearest.
+
+    Parameters
+    ----------
+    by : what noise turns the components by; where none is clear of that, the largest is taken
+    units : of the components, in which they are compared then
+    """
+    rest, found = hidden.copy(), list[int]()
+    for _ in range(hidden.shape[1]):
+        length = np.linalg.norm(rest, axis=1)
+        length[found] = 0.0
+        clear = length / (by + _ROUNDED)
+        k = int(clear.argmax() if clear.max() > CLEAR else (length * units).argmax())
+        found.append(k)
+        along = rest[k] / length[k]
+        rest -= np.outer(rest @ along, along)
+    return found
