@@ -308,7 +308,7 @@ def test_an_interrupt_keeps_what_is_done(obscli, files, monkeypatch):
     assert "random runs" not in outcome.out
 
 
-def test_deviations_of_several_stages_come_into_one_figure(obscli, tmp_path):
+def test_several_stages_come_into_one_figure(obscli, tmp_path):
     text = (
         "states: {v: {}, b: {}}\nA: [[0, 1], [0, 0]]\nH: [[1, 0]]\nquantities: {sum: v + b}\n"
         "noise: {R: [1], step: 1, P0_std: [1, 1]}\ninterval: {stop: 9}\n"
@@ -318,7 +318,13 @@ def test_deviations_of_several_stages_come_into_one_figure(obscli, tmp_path):
     found = obscli("simulate", tmp_path / "m.yaml", "--plot", tmp_path / "f")
     assert found.status == 0, found.err
     names = {one.stem for one in (tmp_path / "f").glob("*.svg")}
-    assert {"m-deviations-of-quantities", "m-deviations-of-states"} <= names
+    together = {name for name in names if name.startswith("m-")}
+    assert together == {"m-deviations-of-quantities", "m-deviations-of-states"}
+    asked = ("--runs", 3, "--initial", "b=1", "--plot", tmp_path / "g")
+    assert obscli("simulate", tmp_path / "m.yaml", *asked).status == 0
+    names = {one.stem for one in (tmp_path / "g").glob("m-*.svg")}
+    parts = ("deviations", "mean", "rms")
+    assert names == {f"m-{part}-of-{name}" for part in parts for name in ("quantities", "states")}
 
 
 def test_figures_of_every_part(obscli, files):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -55,21 +55,65 @@ def _together(drawn: Sequence[tuple[SimulateResult, Simulation]]) -> Iterator[Fi
     if len(drawn) < 2:
         return
     first, found = drawn[0]
-    for kind, name in (("quantity", "quantities"), ("state", "states")):
-        forms = [form for form in found.forms if form.kind == kind]
-        panels = [_compared(drawn, form) for form in forms]
-        file, title = f"{first.model.name}-deviations-of-{name}", f"{first.model.name}: standard deviations"
-        yield from _figures(file, f"{title} in each stage", first.system.time, panels)
+    for one in TOGETHER:
+        if sum(one.series(simulation) is not None for _, simulation in drawn) < 2:
+            continue
+        for kind, name in (("quantity", "quantities"), ("state", "states")):
+            panels = [_compared(drawn, form, one) for form in found.forms if form.kind == kind]
+            file, title = f"{first.model.name}-{one.part}-of-{name}", f"{first.model.name}: {one.title}"
+            yield from _figures(file, f"{title} in each stage", first.system.time, panels)
 
 
-def _compared(drawn: Sequence[tuple[SimulateResult, Simulation]], form: FollowedForm) -> Panel:
+@dataclass(frozen=True, slots=True)
+class _Together:
+    """What of several stages is drawn together; ``series``: instants, names, values, None: there is none."""
+
+    part: str
+    title: str
+    axis: str
+    logarithmic: bool
+    series: Callable[[Simulation], tuple[Array, tuple[str, ...], Array] | None]
+
+
+def _of_deviations(found: Simulation) -> tuple[Array, tuple[str, ...], Array]:
+    return found.history.t, found.history.names, found.history.deviations
+
+
+def _of_means(found: Simulation) -> tuple[Array, tuple[str, ...], Array] | None:
+    response = None if found.initial is None else found.initial.response
+    return None if response is None else (response.t, response.names, response.mean)
+
+
+def _of_runs(found: Simulation) -> tuple[Array, tuple[str, ...], Array] | None:
+    runs = found.monte_carlo
+    return None if runs is None else (runs.t, runs.names, runs.rms)
+
+
+TOGETHER: Final = (
+    _Together("deviations", "standard deviations", "σ", logarithmic=True, series=_of_deviations),
+    _Together("mean", "mean response to the initial error", "error", logarithmic=False, series=_of_means),
+    _Together(
+        "rms", "root mean square of the errors of random runs", "rms", logarithmic=True, series=_of_runs
+    ),
+)
+
+
+def _compared(
+    drawn: Sequence[tuple[SimulateResult, Simulation]], form: FollowedForm, what: _Together
+) -> Panel:
     curves: list[Curve] = []
     for result, found in drawn:
-        history, label = found.history, result.system.stage or result.model.name
-        if form.name in history.names:
-            values = history.deviations[:, history.names.index(form.name)]
-            curves += _curve(label, history.t, values, "main")
-    return Panel(form.name, _label(form.unit), tuple(curves), logarithmic=_varies(curves))
+        series = what.series(found)
+        if series is None or form.name not in series[1]:
+            continue
+        label = result.system.stage or result.model.name
+        t, values = series[0], series[2][:, series[1].index(form.name)]
+        if what.logarithmic:
+            curves += _curve(label, t, values, "main")
+        else:
+            curves.append(Curve(label, tuple(t.tolist()), tuple(values.tolist()), "main"))
+    axis = f"{what.axis} [{form.unit}]" if form.unit else what.axis
+    return Panel(form.name, axis, tuple(curves), logarithmic=what.logarithmic and _varies(curves))
 
 
 def _deviations(result: SimulateResult, found: Simulation) -> Iterator[Figure]:
