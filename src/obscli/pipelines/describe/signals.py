@@ -11,7 +11,6 @@ from obscli.core.number import plain as number
 from obscli.exact.finding import Analysis
 from obscli.model.system import System
 from obscli.numeric.finding import NumericFinding, SignalsFinding
-from obscli.numeric.signal_units import doubts
 from obscli.pipelines.describe.words import names
 from obscli.pipelines.stage_result import StageResult
 
@@ -78,6 +77,8 @@ def _excited(found: NumericFinding, signals: SignalsFinding) -> Iterator[Text]:
 def taken_as_exact(system: System) -> Iterator[Block]:
     """Yield that what follows takes recorded signals for what they say, where there are any."""
     if system.sampled:
+        from obscli.numeric.signal_units import doubts  # noqa: PLC0415 - needs numpy, of recorded signals only
+
         text = (
             f"signals taken as exact: {', '.join(system.sampled)}; what noise in them alone would show is "
             "told by `obscli analyze` with their deviations under `noise`"
