@@ -241,7 +241,9 @@ def test_the_gramian_in_discrete_time_is_that_of_the_outputs_so_far():
 
 
 def test_steps_of_segments_in_discrete_time_are_whole_and_can_be_undone():
-    with pytest.raises(NotComputableError, match=r"the end of segment a is 3\.5: a discrete-time model counts"):
+    with pytest.raises(
+        NotComputableError, match=r"the end of segment a is 3\.5: a discrete-time model counts"
+    ):
         pieces_of(read_text(JUMPING.replace("duration: 4", "duration: 3.5"), "m.yaml").segments)
     singular = read_text(JUMPING.replace("[[1, 0.5], [0, 0.9]]", "[[1, k - 6], [0, k - 6]]"), "m.yaml")
     with pytest.raises(NotComputableError, match="F at step 6 cannot be undone"):

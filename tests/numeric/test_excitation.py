@@ -93,6 +93,33 @@ def test_noise_that_is_not_white_is_no_motion_either(flight, seed, clear):
     assert excitation(flight(told=(0.005, 2e-4), motion=drifting)).excited == 9
 
 
+BESIDE = """\
+states: [z, c1, c2, a, b]
+signals: {file: two.csv, time: t, interpolation: linear, columns: {f1: f1, f2: f2}}
+dynamics: {z: c2 + b*f2}
+measurements: {y: c1 + a*f1, w: z}
+"""
+
+
+@pytest.mark.parametrize(
+    ("noise", "excited", "hidden"),
+    [
+        ("{f1: 0.05}", 4, {"c1", "a"}),
+        ("{f2: 0.05}", 4, {"c2", "b"}),
+        ("{f1: 0.05, f2: 0.05}", 3, {"c1", "c2", "a", "b"}),
+    ],
+)
+def test_what_either_noise_hides_stays_hidden_beside_the_other(tmp_path, noise, excited, hidden):
+    """White noise would show f1 as well; the wave of f2 is integrated, and a calm record explains it."""
+    t, rng = np.arange(400) * 0.05, np.random.default_rng(5)
+    f1 = 2 + 0.1 * np.sin(0.5 * t) + 0.05 * rng.standard_normal(400)
+    rows = np.column_stack([t, f1, 3 + 0.065 * np.sin(0.5 * t)])
+    np.savetxt(tmp_path / "two.csv", rows, delimiter=",", header="t,f1,f2", comments="", fmt="%.15g")
+    (tmp_path / "m.yaml").write_text(f"{BESIDE}noise: {{signals: {noise}}}\n")
+    found = excitation(analyze(load(tmp_path / "m.yaml").systems[0], Settings(Wanted(samples=3))))
+    assert (found.excited, set(found.not_excited)) == (excited, hidden)
+
+
 def test_without_a_stated_noise_nothing_is_tested(flight):
     numeric = flight(0.05)
     assert numeric.rank == 9

@@ -30,8 +30,8 @@ def test_noise_of_the_size_given_is_taken_out_and_no_more():
     for seed in range(5):
         t, y = record(seed)
         s = calmest(t, y, 0.1)
-        assert np.sqrt(((s - y) ** 2).mean()) == pytest.approx(0.1, rel=1e-6)
-        assert np.sqrt(((s - np.sin(t / 3)) ** 2).mean()) < 0.07
+        assert np.sqrt(((s - y) ** 2).mean()) == pytest.approx(0.1 * (1 + 3 / np.sqrt(600)), rel=1e-6)
+        assert np.sqrt(((s - np.sin(t / 3)) ** 2).mean()) < 0.09
 
 
 @settings(max_examples=25, deadline=None)
@@ -39,7 +39,8 @@ def test_noise_of_the_size_given_is_taken_out_and_no_more():
 def test_no_other_record_within_the_noise_moves_less(seed, deviation):
     t, y = record(seed, 12)
     s = calmest(t, y, deviation)
-    allowed = max(deviation**2 * len(y), float(((s - y) ** 2).sum()))
+    allowed = (deviation * (1 + 3 / np.sqrt(24))) ** 2 * 12 * (1 + 1e-9)
+    assert ((s - y) ** 2).sum() <= allowed
     away = {"type": "ineq", "fun": lambda x: allowed - ((x - y) ** 2).sum()}
     found = minimize(lambda x: motion(t, x), s, constraints=[away], method="SLSQP", options={"ftol": 1e-12})
     assert motion(t, s) <= found.fun * (1 + 1e-4) + 1e-9
@@ -62,6 +63,6 @@ def test_only_named_functions_are_changed():
         found = how(0, given_)
         assert (found.values[:, 0] == y).all()
         assert (found.slopes[:, 0] == given_.slopes[:, 0]).all()
-        assert 0.5 < np.std(found.values[:, 1] - 2 * y) / 0.2 < 1.1
+        assert 0.5 < np.std(found.values[:, 1] - 2 * y) / 0.2 < 1.2
         assert np.allclose(found.slopes, slopes_of(t, found.values))
     assert (noisier({"b": 0.2}, 0)(1, given_).values != noisier({"b": 0.2}, 0)(0, given_).values).any()

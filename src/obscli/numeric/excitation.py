@@ -13,8 +13,9 @@ kernel, are hidden; a state is not excited where a hidden direction contains it,
 What of E v looks like a change along excited directions is left out, since v was chosen free of that in R:
 E v is projected, and the rest tried again until no direction is added.
 
-Noise that is not white may look like motion where white noise of its size does not. So the rank is found on
-the calmest record, too, that noise of this size explains (``signal_noise``): what it hides is hidden.
+Noise that is not white may look like motion where white noise of its size does not. So a direction has to be
+shown as well by the calmest record that noise of this size explains (``signal_noise``), with the root R_c:
+|R v| < κ |R_c v|.
 """
 
 from __future__ import annotations
@@ -58,7 +59,7 @@ class Excitation:
     t : the instant
     ratios : |R v| / |E v| of the directions that the Gramian shows, the largest first
     clear : how many of them stand clear of white noise
-    excited : how many the calmest record shows, too
+    excited : how many of these the calmest record shows as well
     calm : the rank of the calmest record that the noise explains; None: it is not clear
     not_excited : the states that directions contain which the record does not show, or as noise would
     """
@@ -112,35 +113,47 @@ def excitation(numeric: Numeric) -> Excitation | None:
     NotComputableError
         where the system with more noise cannot be integrated
     """
-    system = numeric.system.system
-    deviations = deviations_of(system)
-    clear = np.flatnonzero(numeric.conclusive)
-    if not deviations or not clear.size or not numeric.rank:
+    deviations = deviations_of(numeric.system.system)
+    conclusive = np.flatnonzero(numeric.conclusive)
+    if not deviations or not conclusive.size or not numeric.rank:
         return None
-    i = int(clear[-1])
+    i = int(conclusive[-1])
     draws = _draws(numeric, i, deviations)
     length = np.linalg.norm(np.concatenate([part for draw in draws for part in draw]), axis=0)
     D = 1 / np.where(length > 0, length, 1.0)  # a state that only noise shows counts like the others
     _, S, V = np.linalg.svd(draws[-1][0] * D)
     inverse = V[: numeric.rank].T / S[: numeric.rank]
-    clear_ones, others, ratios = _told_apart(
+    clear, others, ratios = _told_apart(
         [(shown * D @ inverse, noise * D @ inverse) for shown, noise in draws]
     )
-    hidden, _ = np.linalg.qr(np.hstack([V[numeric.rank :].T, inverse @ others]))
-    seen = inverse @ clear_ones
     calm = _calm(numeric, i, deviations)
-    if calm is not None and calm.rank[0] <= seen.shape[1]:  # its kernel is less turned by noise
-        rows = np.linalg.svd(calm.gramian.matrices[0] / calm.gramian.units[0] * D)[2]
-        hidden = rows[calm.rank[0] :].T
-        seen = _orthonormal(draws[-1][0] * D, rows[: calm.rank[0]].T)
+    root = calm.gramian.matrices[0] / calm.gramian.units[0] * D
+    kept, lost = _shown_by(root @ inverse @ clear)
+    seen = inverse @ clear @ kept
+    hidden, _ = np.linalg.qr(np.hstack([V[numeric.rank :].T, inverse @ others, inverse @ clear @ lost]))
+    if calm.decided[0] and calm.rank[0] == seen.shape[1]:  # its kernel is less turned by noise
+        rows = np.linalg.svd(root)[2]
+        hidden, seen = rows[calm.rank[0] :].T, _orthonormal(draws[-1][0] * D, rows[: calm.rank[0]].T)
     return Excitation(
         t=float(numeric.horizon.instants[i]),
         ratios=tuple(sorted(ratios, reverse=True)),
-        clear=clear_ones.shape[1],
+        clear=clear.shape[1],
         excited=seen.shape[1],
-        calm=None if calm is None else int(calm.rank[0]),
+        calm=int(calm.rank[0]) if calm.decided[0] else None,
         not_excited=_touched(numeric, draws, D, hidden, seen),
     )
+
+
+def _shown_by(calm: Array) -> tuple[Array, Array]:
+    """Return of orthonormal directions those that the calmest record shows, too, and the others.
+
+    Parameters
+    ----------
+    calm : what it shows of them where the record shows a unit of each, shape (n, k)
+    """
+    _, size, W = np.linalg.svd(calm)
+    shown = CLEAR * size > 1
+    return W[: len(size)][shown].T, np.vstack([W[: len(size)][~shown], W[len(size) :]]).T
 
 
 def _orthonormal(R: Array, X: Array) -> Array:
@@ -195,14 +208,13 @@ def _draws(numeric: Numeric, i: int, deviations: Mapping[str, float]) -> list[tu
     return found
 
 
-def _calm(numeric: Numeric, i: int, deviations: Mapping[str, float]) -> Subspaces | None:
-    """Return what the calmest record shows over the window of an instant; None where that is not clear."""
+def _calm(numeric: Numeric, i: int, deviations: Mapping[str, float]) -> Subspaces:
+    """Return what the calmest record shows over the window of an instant."""
     start, t = float(numeric.spaces.gramian.starts[i]), numeric.horizon.instants[i : i + 1]
     other = _changed(numeric, calmed(deviations))
     effort = Effort(STEP_ERROR["square-root"], affordable_steps(other))
     gramian = square_root_gramian(other, start, t, numeric.rates, effort)
-    found = subspaces(scaled(gramian, other.system, numeric.scaling))
-    return found if found.decided[0] else None
+    return subspaces(scaled(gramian, other.system, numeric.scaling))
 
 
 def _changed(numeric: Numeric, how: Changed) -> NumericSystem:

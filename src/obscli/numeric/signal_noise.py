@@ -1,13 +1,13 @@
 """The noise of signals: added once more, or taken out as far as its size allows.
 
 Of a record y_i = s̄_i + e_i only the deviation σ of e is known. Added is white noise of that size. Taken out
-is as much as leaves the calmest record that noise of that size explains: of all s with rms(s − y) ≤ σ the
+is as much as leaves the calmest record that noise of that size explains: of all s with rms(s − y) ≤ ρ the
 one that moves least,
 
     min Σ_i (s_{i+1} − s_i)² / (t_{i+1} − t_i),    (μ I + L) s = μ y,
 
-L the tridiagonal matrix of that form, μ such that rms(s − y) = σ. A record that a constant explains becomes
-that constant.
+L the tridiagonal matrix of that form, μ such that rms(s − y) = ρ. Where a constant is within ρ it is that
+constant. ρ = σ (1 + 3/√(2N)): the rms of N draws may come out as large.
 
 References
 ----------
@@ -70,7 +70,7 @@ def calmed(deviations: Mapping[str, float]) -> Changed:
 
 
 def calmest(t: Array, y: Array, deviation: float) -> Array:
-    """Return the s that moves least of all with rms(s − y) ≤ σ, shape (N,)."""
+    """Return the s that moves least of all with rms(s − y) ≤ ρ, shape (N,)."""
     from scipy.linalg import solveh_banded  # noqa: PLC0415 - for signals with noise only
 
     allowed = deviation * (1 + _CHANCE / np.sqrt(2 * len(y)))
@@ -88,15 +88,15 @@ def calmest(t: Array, y: Array, deviation: float) -> Array:
         shifted = bands + np.array([[0.0], [mu]])
         return np.asarray(solveh_banded(shifted, mu * y), dtype=float)
 
-    return _largest(solved, y, deviation)
+    return _calmest(solved, y, allowed)
 
 
-def _largest(solved: Callable[[float], Array], y: Array, deviation: float) -> Array:
+def _calmest(solved: Callable[[float], Array], y: Array, allowed: float) -> Array:
     """Return the calmest s within the noise: its distance from y falls with the exponent."""
     calm, close = np.log(_LEAST), np.log(_MOST)
     for _ in range(_HALVINGS):
         middle = (calm + close) / 2
-        if _rms(solved(middle) - y) > deviation:
+        if _rms(solved(middle) - y) > allowed:
             calm = middle
         else:
             close = middle

@@ -62,16 +62,14 @@ def _excited(found: NumericFinding, signals: SignalsFinding) -> Iterator[Text]:
     yield Text(f" of {counted(n, 'direction')} up to {number(signals.t)}")
     if signals.is_noise:
         yield Text(f"; the Gramian shows {signals.shown}", "open")
-    if signals.clear != signals.shown:
+    if signals.clear is not None and signals.clear != signals.shown:
         noise = ", ".join(short(ratio) for ratio in signals.ratios[signals.clear :])
-        yield Text(f", but noise alone would show the rest as well (record over noise: {noise})")
+        yield Text(f", {signals.clear} of them better than white noise alone would (record over noise of the")
+        yield Text(f" others: {noise})")
     elif signals.ratios:
-        yield Text(f"; the weakest stands {short(signals.ratios[-1])} times above noise")
-    if signals.excited != signals.clear:
-        yield Text(f"; noise that is not white may show more than {signals.excited}: the calmest signals")
-        yield Text(" within the deviations given show that many")
-    elif signals.is_noise and signals.calm == signals.excited:
-        yield Text("; the calmest signals within the noise show no more")
+        yield Text(f"; the weakest stands {short(signals.ratios[-1])} times above white noise")
+    if signals.calm is not None and signals.is_noise:
+        yield Text(f"; the calmest signals that the noise explains show {signals.calm}")
 
 
 def taken_as_exact(system: System) -> Iterator[Block]:

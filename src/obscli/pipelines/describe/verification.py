@@ -156,8 +156,8 @@ def _verdict(result: StageResult) -> tuple[Kind, str]:
 
 def _noise(signals: SignalsFinding, n: int) -> str:
     return (
-        f"this record excites {signals.excited} of {n} directions: the Gramian shows {signals.shown}, "
-        f"{(signals.shown or 0) - (signals.excited or 0)} of them as noise of the signals alone would"
+        f"this record excites {signals.excited} of {n} directions: the Gramian shows {signals.shown}, but "
+        "noise of the signals explains the rest"
     )
 
 
