@@ -287,3 +287,59 @@ def test_a_duration_that_is_none_at_these_values_is_refused_everywhere(obscli, m
         outcome = obscli(command[0], model(MODEL), *command[1:], "--set", "T=1-sqrt(5)")
         assert outcome.status == 2
         assert "segments[1].duration: a positive duration is expected here; T is not" in outcome.err
+
+
+OTHERS = """\
+states: [x, v]
+dynamics: {x: v}
+noise: {P0_std: [1, 1], step: 0.25}
+interval: {start: 0, stop: 1}
+stages:
+  both: {measurements: {y: x, z: v}, noise: {R: {y: 0.01, z: 0.04}}}
+  place: {measurements: {y: x}, noise: {R: {y: 0.01}}}
+  speed: {measurements: {z: v}, noise: {R: {z: 0.04}}}
+segments: [{stage: %s, name: one, duration: 1}, {stage: place, name: two, duration: 1}, {stage: speed, duration: 1}]
+"""
+
+
+@pytest.mark.parametrize(("first", "z"), [("both", "1 … 2.25"), ("place", "0 … 2.25")])
+def test_outputs_of_segments_are_told_by_name(obscli, model, first, z):
+    outcome = obscli("simulate", model(OTHERS % first), "--segments")
+    assert outcome.status == 0
+    assert "y every 0.25; none in 2 … 3" in " ".join(outcome.out.split())
+    assert f"z every 0.25; none in {z}" in " ".join(outcome.out.split())
+
+
+@pytest.mark.parametrize("duration", ["0.3", "0.6", "0.7", "2.3"])
+def test_a_sample_at_the_end_is_taken_before_the_jump_whatever_rounding_does(obscli, model, duration):
+    """The same in units of time ten times as short."""
+    text = (
+        "states: [x, v]\nA: [[0, %s], [0, 0]]\nH: [[1, 0]]\noutputs: {y1: {every: %s}}\nnoise: {R: 0.01, P0_std: 1}\n"
+        "stages: {s: {}}\nsegments: [{stage: s, duration: %s, jump: {x: x + v}}, {stage: s, name: b, duration: %s}]\n"
+    )
+    found = []
+    for values in (("1", "0.1", duration, "0.3"), ("1/10", "1", f"10*{duration}", "3")):
+        outcome = obscli("simulate", model(text % values), "--segments", "--format", "json")
+        found.append(json.loads(outcome.out)["results"][0]["simulate"])
+    one, ten = found
+    assert one["samples"] == ten["samples"]
+    assert [10 * t for t in one["history"]["t"]] == pytest.approx(ten["history"]["t"])
+    for name, sigma in one["history"]["standard_deviation"].items():
+        assert sigma == pytest.approx(ten["history"]["standard_deviation"][name], rel=1e-9)
+
+
+def test_what_a_later_segment_lacks_is_told_with_its_name(obscli, model):
+    text = (OTHERS % "both").replace("noise: {R: {z: 0.04}}}\nseg", "}\nseg")
+    outcome = obscli("simulate", model(text), "--segments")
+    assert outcome.status == 2
+    assert "segment speed: `noise` is not complete: give the noise of z" in " ".join(outcome.out.split())
+
+
+def test_segments_in_discrete_time_begin_and_end_at_whole_steps(obscli, model):
+    text = (
+        "states: [x, v]\nstages: {a: {F: [[1, 1], [0, 1]], H: [[1, 0]]}}\ninterval: {start: 0.5}\n"
+        "segments: [{stage: a, duration: 4.5}]\n"
+    )
+    for command in ("analyze", "measures"):
+        out = " ".join(obscli(command, model(text), "--segments").out.split())
+        assert "the start of the segments is 0.5: a discrete-time model counts steps, whole numbers" in out

@@ -27,6 +27,9 @@ from obscli.numeric.wide_rows import WideRows
 #: A segment with its samples, its instants, and which of them are recorded.
 _Part: TypeAlias = tuple[SampledSystem, Timeline, Flags]
 
+#: A sample is at the end of a segment if it is as near to it, in steps.
+_SAME: Final = 1e-9
+
 #: Instants recorded in one segment at least.
 _FEWEST: Final = 4
 
@@ -47,8 +50,10 @@ def schedules_of(pieces: Sequence[Piece], step: float | None = None) -> tuple[Sc
     found = []
     for k, piece in enumerate(pieces):
         grid = schedule_of(piece.system, start, stop, step)  # a step that is assumed is that of the whole
-        inside = (grid.t > piece.start if k else grid.t >= piece.start) & (grid.t <= piece.stop)
-        t, sampled = grid.t[inside], grid.sampled[inside]
+        near = _SAME * (float(np.diff(grid.t).min()) if len(grid.t) > 1 else stop - start)
+        after = grid.t > piece.start + near if k else np.ones(len(grid.t), dtype=bool)
+        inside = after & (grid.t <= piece.stop + near)
+        t, sampled = np.minimum(grid.t[inside], piece.stop), grid.sampled[inside]
         if not len(t):  # an instant at which nothing is sampled says nothing
             t, sampled = np.array([piece.stop]), np.zeros((1, piece.system.m), dtype=bool)
         found.append(Schedule(piece.start, piece.stop, t, sampled, grid.R, grid.assumed_step))

@@ -61,6 +61,8 @@ def pieces_of(segments: Segments) -> tuple[Piece, ...]:
     first = segments.parts[0].system
     values = constants_of(first)
     start = _number(segments.start, values, "the start of the segments")
+    if first.discrete:
+        start = whole(start, "the start of the segments")
     found = []
     for one in segments.parts:
         stop = _number(one.stop, values, f"the end of segment {one.name}")

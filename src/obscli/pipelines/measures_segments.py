@@ -33,6 +33,7 @@ from obscli.pipelines.measure_targets import targets_of
 from obscli.pipelines.measures_result import Curves, MeasuresResult, Taken
 from obscli.pipelines.request import MeasuresRequest, NumericRequest, Progress, RequestError
 from obscli.pipelines.segments import segments_result
+from obscli.pipelines.stage_result import SEGMENTS
 
 
 #: The measures that a whole interval has, whatever goes on in it.
@@ -98,7 +99,7 @@ def measure_segments(
             "--to"
         )
     bounds = segments_result(model, NumericRequest(), "analytic", progress)
-    system = replace(bounds.segments.parts[0].system, stage="segments")
+    system = replace(bounds.segments.parts[0].system, stage=SEGMENTS)
     result = MeasuresResult(model, system, tuple(chosen), NotComputed(""), request.scaling, {})
     analysis = bounds.proved
     if analysis is None or bounds.is_at_start:

@@ -185,7 +185,7 @@ class _Stage:
             stop=horizon.stop,
             default=horizon.origin == "default",
             forms=forms,
-            sampling=sampling_of(system, [schedule]),
+            sampling=sampling_of([(system, schedule)]),
             assumed_step=schedule.assumed_step,
             history=history,
             times=times_to_observability(history, demands, self._request.fraction),

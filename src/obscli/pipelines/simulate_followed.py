@@ -19,7 +19,7 @@ from obscli.model.system import Covector, Requirement, System
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.linear_forms import Forms, forms_of
 from obscli.numeric.numeric_system import constants_of
-from obscli.numeric.program import constant_value
+from obscli.numeric.program import Array, constant_value
 from obscli.numeric.schedule import Schedule
 from obscli.numeric.simulation_finding import Followed
 from obscli.pipelines.simulate_result import FollowedForm, Sampling
@@ -85,24 +85,31 @@ def _unit(covector: Covector, units: dict[str, str]) -> str:
     return units[next(iter(covector))] if one else ""
 
 
-def sampling_of(system: System, schedules: Sequence[Schedule]) -> tuple[Sampling, ...]:
+def sampling_of(parts: Sequence[tuple[System, Schedule]]) -> tuple[Sampling, ...]:
     """Return when each output is sampled, and where it is not for longer than usual.
 
     Parameters
     ----------
-    schedules : of the parts of the interval, one after the other, each with a usual time between samples
+    parts : of the interval, one after the other: what is in force, and when it is sampled
     """
-    return tuple(_sampling(one.name, k, schedules) for k, one in enumerate(system.outputs))
+    names = dict.fromkeys(output.name for system, _ in parts for output in system.outputs)
+    return tuple(_sampling(name, [(_samples(name, *one), one[1]) for one in parts]) for name in names)
 
 
-def _sampling(name: str, k: int, schedules: Sequence[Schedule]) -> Sampling:
-    each = [one.t[one.sampled[:, k]] for one in schedules]
+def _samples(name: str, system: System, schedule: Schedule) -> Array:
+    """Return when an output is sampled in a part of the interval; never where it does not exist."""
+    place = [k for k, one in enumerate(system.outputs) if one.name == name]
+    return schedule.t[schedule.sampled[:, place].any(axis=1)]
+
+
+def _sampling(name: str, parts: Sequence[tuple[Array, Schedule]]) -> Sampling:
+    each = [one for one, _ in parts]
     t = np.concatenate(each)
     known = [float(np.diff(own).min()) for own in each if len(own) > 1]
     usual = known or ([float(np.diff(t).min())] if len(t) > 1 else [0.0])
     own = np.array([np.diff(one).min() if len(one) > 1 else max(usual) for one in each])
     part = np.concatenate([[0], np.repeat(np.arange(len(each)), [len(one) for one in each]), [len(each) - 1]])
-    edges = np.concatenate([[schedules[0].start], t, [schedules[-1].stop]])
+    edges = np.concatenate([[parts[0][1].start], t, [parts[-1][1].stop]])
     long = np.diff(edges) > 1.5 * np.maximum(own[part[:-1]], own[part[1:]])
     outages = tuple((float(edges[j]), float(edges[j + 1])) for j in np.flatnonzero(long))
     every, longest = (min(usual), max(usual)) if len(t) > 1 else (None, None)

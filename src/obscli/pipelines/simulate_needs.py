@@ -15,31 +15,32 @@ from obscli.numeric.numeric_system import missing_values
 _SHOWN = 3
 
 
-def refuse_lacking(system: System, whose: str = "") -> None:
+def refuse_lacking(system: System, whose: str = "", *, prior: bool = True) -> None:
     """Refuse a system that lacks something.
 
     Parameters
     ----------
     whose : what the message begins with
+    prior : whether the states need an initial deviation
 
     Raises
     ------
     NotComputableError
         with what the file has to give besides, and an example in its own names
     """
-    needs = "; ".join(_needs(system))
+    needs = "; ".join(_needs(system, prior=prior))
     if needs:
         raise NotComputableError(whose + needs)
 
 
-def _needs(system: System) -> Iterator[str]:
+def _needs(system: System, *, prior: bool) -> Iterator[str]:
     without_value = [one.name for one in system.parameters if one.nominal is None]
     if without_value:
         yield missing_values(without_value)
     noise = system.noise
     R, P0 = (None, None) if noise is None else (noise.R, noise.P0)
     silent = [one.name for k, one in enumerate(system.outputs) if not _has(R, k)]
-    unknown = [one.name for k, one in enumerate(system.states) if not _has(P0, k)]
+    unknown = [one.name for k, one in enumerate(system.states) if prior and not _has(P0, k)]
     if not silent and not unknown:
         return
     lack, lines = [], []

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from obscli.exact.finding import Analysis, Undecided
 from obscli.model.system import Model, System
-from obscli.numeric.errors import NotComputableError
+from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.recorded_errors import RecordedErrors
 from obscli.numeric.schedule import Schedule
@@ -18,7 +18,7 @@ from obscli.numeric.segment_errors import segment_errors
 from obscli.numeric.segment_filter import assumed_step_of, schedules_of, segment_history
 from obscli.numeric.segment_gramian import Piece, left_open, pieces_of
 from obscli.numeric.time_to_observability import times_to_observability
-from obscli.pipelines.request import NumericRequest, Progress, SimulateRequest
+from obscli.pipelines.request import NumericRequest, Progress, RequestError, SimulateRequest
 from obscli.pipelines.segments import segments_result
 from obscli.pipelines.segments_result import SegmentsResult
 from obscli.pipelines.simulate_errors import ErrorSteps, carried_out
@@ -26,6 +26,7 @@ from obscli.pipelines.simulate_followed import demands_of, forms_from, linear_fo
 from obscli.pipelines.simulate_mean import feedback_of, initial_of
 from obscli.pipelines.simulate_needs import refuse_lacking
 from obscli.pipelines.simulate_result import Demand, FollowedForm, SimulateResult, Simulation
+from obscli.pipelines.stage_result import SEGMENTS
 
 
 def simulate_segments(model: Model, request: SimulateRequest, progress: Progress) -> SimulateResult:
@@ -37,10 +38,11 @@ def simulate_segments(model: Model, request: SimulateRequest, progress: Progress
         where the model has no segments, or what was asked for does not fit them
     """
     bounds = segments_result(model, NumericRequest(), "analytic", progress)
-    system = replace(bounds.segments.parts[0].system, stage="segments")
+    system = replace(bounds.segments.parts[0].system, stage=SEGMENTS)
     feedback = feedback_of(system, system, request.feedback)
     try:
-        refuse_lacking(system)
+        for k, one in enumerate(bounds.segments.parts):
+            refuse_lacking(one.system, f"segment {one.name}: " if k else "", prior=not k)
         pieces = pieces_of(bounds.segments)
         inserted = initial_of(system, request.initial, pieces[0].start, pieces[0].stop)
         schedules = schedules_of(pieces, request.step)
@@ -51,6 +53,8 @@ def simulate_segments(model: Model, request: SimulateRequest, progress: Progress
 
         asked = ErrorSteps(system, request, inserted, errors, progress)
         found, interrupted = carried_out(replace(found, feedback=feedback), asked.steps())
+    except UnfitRequestError as error:
+        raise RequestError(f"{model.file}: {error}") from error
     except NotComputableError as error:
         return SimulateResult(model, system, NotComputed(str(error)))
     return SimulateResult(model, system, found, interrupted)
@@ -76,7 +80,7 @@ def _filtered(
         stop=pieces[-1].stop,
         default=False,
         forms=forms,
-        sampling=sampling_of(system, schedules),
+        sampling=sampling_of([(one.system, own) for one, own in zip(pieces, schedules, strict=True)]),
         assumed_step=assumed_step_of(schedules),
         history=history,
         times=times_to_observability(history, demands, request.fraction),
@@ -84,7 +88,7 @@ def _filtered(
         demands=tuple(Demand(name, limit, float(end[name])) for name, limit in demands.items()),
         unsaid=unsaid,
         sampled=left_open(pieces),
-        recorded=system.sampled,
+        recorded=tuple(dict.fromkeys(name for one in pieces for name in one.system.sampled)),
     )
 
 

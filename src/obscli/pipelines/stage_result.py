@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 from obscli.checks.certified_rank import CertifiedRank
 from obscli.checks.detectability import Detectability
@@ -14,6 +15,10 @@ from obscli.model.system import Model, System
 from obscli.numeric.finding import CrossCheck, EchelonFinding, NotComputed, NumericFinding
 from obscli.pipelines.freezing import Frozen
 from obscli.pipelines.request import Part
+
+
+#: What stands for the name of a stage where the result is about the segments.
+SEGMENTS: Final = "segments"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,6 +99,13 @@ class StageChecks:
     def title(self) -> str:
         """The name of the model, and of the stage where it has one."""
         return stage_title(self.model, self.system)
+
+
+def systems_of(model: Model, system: System) -> tuple[System, ...]:
+    """Return the systems that a result is about: one, or those of the segments one after the other."""
+    if system.stage == SEGMENTS and model.segments is not None:
+        return tuple(one.system for one in model.segments.parts)
+    return (system,)
 
 
 def stage_title(model: Model, system: System) -> str:

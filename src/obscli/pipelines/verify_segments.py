@@ -20,7 +20,7 @@ from obscli.pipelines.proof_checks import certified
 from obscli.pipelines.request import NumericRequest, Progress
 from obscli.pipelines.segments import segments_result
 from obscli.pipelines.segments_result import SegmentsResult
-from obscli.pipelines.stage_result import StageChecks
+from obscli.pipelines.stage_result import SEGMENTS, StageChecks
 
 
 def verify_segments(model: Model, request: NumericRequest, progress: Progress) -> StageChecks | None:
@@ -36,7 +36,7 @@ def verify_segments(model: Model, request: NumericRequest, progress: Progress) -
         _gramian(result),
         *(one for claim in model.segments.claims for one in _claimed(claim, result)),
     )
-    system = replace(result.segments.parts[0].system, stage="segments")
+    system = replace(result.segments.parts[0].system, stage=SEGMENTS)
     return StageChecks(model, system, checks)
 
 

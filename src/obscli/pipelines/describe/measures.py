@@ -36,6 +36,7 @@ from obscli.pipelines.describe.measures_notes import limit_blocks, note_blocks, 
 from obscli.pipelines.describe.signals import taken_as_exact
 from obscli.pipelines.latex_names import latex_names
 from obscli.pipelines.measures_result import MeasuresResult, Taken
+from obscli.pipelines.stage_result import systems_of
 
 
 #: Closed forms longer than this are left out, and directions are cut after so many states.
@@ -70,7 +71,7 @@ def _stage(result: MeasuresResult) -> Iterator[Block]:
             yield VerdictLine("open", plain(f"not measured: {reason}"))
         case taken:
             yield _setting(result, taken)
-            yield from taken_as_exact(result.system)
+            yield from taken_as_exact(systems_of(result.model, result.system))
             for one in taken:
                 yield from _instant(result, one, several=len(taken) > 1)
             yield from limit_blocks(result)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 from obscli.core.document import Block, Cell, Column, Heading, Note, Table, Text, line, plain
@@ -72,17 +72,18 @@ def _excited(found: NumericFinding, signals: SignalsFinding) -> Iterator[Text]:
         yield Text(f"; the calmest signals that the noise explains show {signals.calm}")
 
 
-def taken_as_exact(system: System) -> Iterator[Block]:
-    """Yield that what follows takes recorded signals for what they say, where there are any."""
-    if system.sampled:
+def taken_as_exact(systems: Sequence[System]) -> Iterator[Block]:
+    """Yield that what follows takes recorded signals of systems for what they say, where there are any."""
+    recorded = tuple(dict.fromkeys(name for system in systems for name in system.sampled))
+    if recorded:
         from obscli.numeric.signal_units import doubts  # noqa: PLC0415 - needs numpy, of recorded signals only
 
         text = (
-            f"signals taken as exact: {', '.join(system.sampled)}; what noise in them alone would show is "
+            f"signals taken as exact: {', '.join(recorded)}; what noise in them alone would show is "
             "told by `obscli analyze` with their deviations under `noise`"
         )
         yield Note("note", plain(text))
-        for doubt in doubts(system):
+        for doubt in dict.fromkeys(text for system in systems for text in doubts(system)):
             yield Note("warning", plain(doubt))
 
 

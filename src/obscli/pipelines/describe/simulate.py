@@ -31,6 +31,7 @@ from obscli.pipelines.describe.simulate_mean import feedback_note, mean_blocks
 from obscli.pipelines.describe.simulate_runs import DEMANDED, demanded, mismatch_blocks, runs_blocks
 from obscli.pipelines.describe.words import names, sign
 from obscli.pipelines.simulate_result import FollowedForm, Sampling, SimulateResult, Simulation
+from obscli.pipelines.stage_result import systems_of
 
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ def _blocks(result: SimulateResult, *, explains: bool, first: bool) -> Iterator[
     if result.interrupted:
         yield Note("warning", plain(_interrupted(found)))
     yield from _sampling_blocks(found, result.system)
-    yield from taken_as_exact(result.system)
+    yield from taken_as_exact(systems_of(result.model, result.system))
     yield from _tables(result, found, explains=explains)
     yield Details(tuple(_course_blocks(result, found)))
     formulas = {form.name: _name(form, result) for form in found.forms}
