@@ -135,6 +135,46 @@ def test_what_is_well_observable_changes_along_the_way(system):
         np.testing.assert_allclose(found[k], np.diag(sqrtm(R.T @ R)).real, rtol=1e-9)
 
 
+RATES = """\
+states: [x, v]
+A: [[0, 1], [0, 0]]
+measurements: {y: x, z: v}
+outputs: {y: {every: 0.3}, z: {every: 0.2}}
+noise: {R: {y: 0.01, z: 0.04}, P0_std: [1, 2]}
+"""
+SLOW = """\
+states: [p, v]
+F: [[1, 1], [0, 0.9]]
+measurements: {y: p}
+outputs: {y: {every: 2}}
+noise: {R: 0.01, P0_std: [1, 1]}
+interval: {stop: 10}
+"""
+
+
+def test_windows_have_the_samples_of_the_filter(system):
+    """Outputs of several rates, steps that are asked for, several steps of discrete time between samples."""
+
+    def found(text, stop, step=None):
+        given = system(text)
+        return equivalent_at_samples(SampledSystem(given, schedule_of(given, 0, stop, step)))
+
+    def expected(rows):
+        return np.diag(sqrtm(rows.T @ rows)).real
+
+    rates = found(RATES, 1.2)  # at 0: y, z; 0.2: z; 0.3: y; 0.4: z; 0.6: y, z; …; 1.2: y, z
+    np.testing.assert_allclose(rates[0], expected(np.array([[10, 0], [0, 10], [0, 10]])), rtol=1e-9)
+    np.testing.assert_allclose(rates[1], expected(np.array([[0, 10], [10, 2]])), rtol=1e-9)
+    np.testing.assert_allclose(rates[-1], rates[-2], rtol=1e-9)
+    dense = "states: [x, v]\nA: [[0, 1], [0, 0]]\nH: [[1, 0]]\nnoise: {R: 0.01, step: 0.5, P0_std: [1, 1]}\n"
+    for step, h in ((None, 0.5), (0.1, 0.1)):
+        one = found(dense, 5, step)
+        np.testing.assert_allclose(one[3], expected(np.array([[10, 0], [10, 10 * h]])), rtol=1e-9)
+    F = np.array([[1, 1], [0, 0.9]])
+    rows = np.concatenate([[[10.0, 0]], np.array([[10.0, 0]]) @ F @ F])
+    np.testing.assert_allclose(found(SLOW, 10)[2], expected(rows), rtol=1e-9)
+
+
 def test_what_is_fed_back_matters_where_the_truth_is_another(system):
     found = [responds(system(TRUE), [1.0, 0, 0, 1], 20, system(FILTER), feedback=one) for one in WAYS]
     for k, one in enumerate(found):

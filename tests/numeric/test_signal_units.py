@@ -18,10 +18,10 @@ def asked(tmp_path):
             header=f"{time},{column}",
             comments="",
         )
-        columns = f"{{psi: {{column: {column}{given}}}}}"
-        (tmp_path / "m.yaml").write_text(
-            f"states: [x, y]\nsignals: {{file: s.csv, time: {time}, columns: {columns}}}\nA: {A}\nH: [[1, 0]]\n"
-        )
+        columns = f'{{psi: {{column: "{column}"{given}}}}}'
+        signals = f'{{file: s.csv, time: "{time}", columns: {columns}}}'
+        text = f"states: [x, y]\nsignals: {signals}\nA: {A}\nH: [[1, 0]]\n"
+        (tmp_path / "m.yaml").write_text(text)
         return doubts(load(tmp_path / "m.yaml").systems[0])
 
     return found
@@ -39,7 +39,7 @@ def test_angles_in_radians_raise_no_question(asked):
 
 @pytest.mark.parametrize("column", ["hdg_deg", "yaw(deg)", "deg", "yaw_degrees", "yaw °"])
 def test_a_column_that_says_degrees(asked, column):
-    (text,) = asked(np.linspace(-1, 1, 50), f'"{column}"' if " " in column else column)
+    (text,) = asked(np.linspace(-1, 1, 50), column)
     assert (
         f"psi is taken in radians and goes from -1 to 1: in degrees? (column: {column}, factor: pi/180)"
         in (text.replace('"', ""))
@@ -55,7 +55,7 @@ def test_values_that_are_no_radians(asked):
     ("values", "given", "turn"),
     [
         (TURNING % 360, ", factor: pi/180", "360"),
-        (np.deg2rad(TURNING) % (2 * np.pi), "", "6.28319"),
+        (np.deg2rad(TURNING) % (2 * np.pi), "", "2*pi"),
         ((TURNING + 180) % 360 - 180, ", factor: -pi/180", "360"),
     ],
 )
@@ -65,10 +65,17 @@ def test_a_jump_by_a_turn(asked, values, given, turn):
     assert asked(values, given=f"{given}, unwrap: {turn}") == ()
 
 
-@pytest.mark.parametrize(("time", "factor"), [("t_ms", "1e-3"), ("us", "1e-6"), ("Time(ns)", "1e-9")])
-def test_a_time_that_says_its_unit(asked, time, factor):
+@pytest.mark.parametrize(
+    ("time", "written", "factor"),
+    [("t_ms", "t_ms", "1e-3"), ("us", "us", "1e-6"), ("Time [ns]", '"Time [ns]"', "1e-9")],
+)
+def test_a_time_that_says_its_unit(asked, time, written, factor):
     (text,) = asked(np.linspace(-1, 1, 50), time=time)
-    assert f"(time: {{column: {time}, factor: {factor}}})" in text
+    assert f"(time: {{column: {written}, factor: {factor}}})" in text
+
+
+def test_a_switch_that_is_no_angle_raises_no_question(asked):
+    assert asked(6.0 * (np.arange(50) % 10 > 5), A="[[0, psi], [0, 0]]") == ()
 
 
 def test_names_that_only_look_like_units(asked):

@@ -117,16 +117,11 @@ def window_series(
     NotComputableError
         where a coefficient does not exist at some instant, or cannot be resolved
     """
-    portion = portion_of(numeric, sampling)
+    size = max(sampling.samples * numeric.m, numeric.n) * numeric.n
+    portion = max(_CHUNK // size, 1)
     for first in range(0, sampling.windows, portion):
         t = sampling.starts(first, min(first + portion, sampling.windows))
         yield values_of(stack_at(numeric, sampling, settings, t), forms_at(numeric, t), t, settings, scaling)
-
-
-def portion_of(numeric: NumericSystem, sampling: Sampling) -> int:
-    """Return how many windows fit into memory at a time."""
-    size = max(sampling.samples * numeric.m, numeric.n) * numeric.n
-    return max(_CHUNK // size, 1)
 
 
 def values_of(

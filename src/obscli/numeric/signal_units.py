@@ -5,6 +5,7 @@ Nothing is converted by itself, and nothing here is certain: these are questions
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator
 from typing import Final
@@ -28,6 +29,7 @@ _ROUNDED: Final = 1e-6
 #: Names of columns that say a unit, and for times the factor to seconds.
 _DEGREES: Final = re.compile(r"(?:^|[^a-z])deg(?:s|rees?)?(?:[^a-z]|$)|°", re.IGNORECASE)
 _FACTORS: Final = {"ms": "1e-3", "msec": "1e-3", "us": "1e-6", "usec": "1e-6", "ns": "1e-9", "nsec": "1e-9"}
+_PLAIN: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
 _WORDS: Final = re.compile(r"[a-z]+", re.IGNORECASE)
 
 #: Larger angles, without a turn taken out, are none in radians.
@@ -55,17 +57,16 @@ def _of_time(file: SignalFile) -> Iterator[str]:
     if units and file.factor is None:
         yield (
             f"the times of {file.file.name} are taken as they are in '{file.time}': in {units[-1]}? (time: "
-            f"{{column: {file.time}, factor: {_FACTORS[units[-1]]}}})"
+            f"{{column: {_quoted(file.time)}, factor: {_FACTORS[units[-1]]}}})"
         )
 
 
 def _of_column(column: SignalColumn, values: Array, *, is_angle: bool) -> Iterator[str]:
     turn = _turn(values)
-    if column.unwrap is None and turn is not None:
-        factor = 1.0 if column.factor is None else constant_value(column.factor, {})
+    if is_angle and column.unwrap is None and turn is not None:
         yield (
-            f"{column.name} jumps by about a full turn between samples, which interpolation makes a motion: "
-            f"an angle? (column: {column.column}, unwrap: {short(abs(turn / factor), 6)})"
+            f"{column.name} jumps by about a full turn between samples, which is taken for motion "
+            f"(column: {_quoted(column.column)}, unwrap: {_in_file(turn, column)})"
         )
     if column.unwrap is None:
         large = turn == _TURNS[1] or np.abs(values).max() > _LARGEST
@@ -74,8 +75,20 @@ def _of_column(column: SignalColumn, values: Array, *, is_angle: bool) -> Iterat
     if column.factor is None and is_angle and (large or _DEGREES.search(column.column)):
         yield (
             f"{column.name} is taken in radians and goes from {short(float(values.min()), 4)} to "
-            f"{short(float(values.max()), 4)}: in degrees? (column: {column.column}, factor: pi/180)"
+            f"{short(float(values.max()), 4)}: in degrees? (column: {_quoted(column.column)}, factor: pi/180)"
         )
+
+
+def _in_file(turn: float, column: SignalColumn) -> str:
+    """Return a full turn in the units of the file, as it is to be written."""
+    size = abs(turn / (1.0 if column.factor is None else constant_value(column.factor, {})))
+    known = {"2*pi": 2 * np.pi, "360": 360.0}
+    return next((text for text, one in known.items() if abs(size / one - 1) < _ROUNDED), short(size, 6))
+
+
+def _quoted(name: str) -> str:
+    """Return a name as it stands in a file: in quotes where it has to."""
+    return name if _PLAIN.fullmatch(name) else json.dumps(name, ensure_ascii=False)
 
 
 def _turn(values: Array) -> float | None:
@@ -89,7 +102,7 @@ def _turn(values: Array) -> float | None:
 
 
 def _angles(system: System) -> frozenset[str]:
-    """Return the functions of which trigonometric functions are taken as they are, or in a sum."""
+    """Return the functions of which trigonometric functions are taken: as they are, or in a sum."""
     entries: list[Expression] = [*system.A.entries.values(), *system.H.entries.values()]
     found = set()
     for node in postorder(*entries):

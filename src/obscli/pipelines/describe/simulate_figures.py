@@ -60,6 +60,7 @@ def _together(drawn: Sequence[tuple[SimulateResult, Simulation]]) -> Iterator[Fi
             continue
         for kind, name in (("quantity", "quantities"), ("state", "states")):
             panels = [_compared(drawn, form, one) for form in found.forms if form.kind == kind]
+            panels = [panel for panel in panels if panel.curves]  # another filter has other states
             file, title = f"{first.model.name}-{one.part}-of-{name}", f"{first.model.name}: {one.title}"
             yield from _figures(file, f"{title} in each stage", first.system.time, panels)
 
