@@ -335,6 +335,12 @@ def test_what_a_later_segment_lacks_is_told_with_its_name(obscli, model):
     assert "segment speed: `noise` is not complete: give the noise of z" in " ".join(outcome.out.split())
 
 
+def test_the_gramian_of_segments_in_discrete_time_is_read_at_the_end(obscli, model):
+    text = "states: [x, v]\nstages: {a: {F: [[1, 1], [0, 1]], H: [[1, 0]]}}\nsegments: [{stage: a, duration: 5}]\n"
+    out = " ".join(obscli("measures", model(text), "--segments").out.split())
+    assert "of each direction at the end of the segments" in out
+
+
 def test_segments_in_discrete_time_begin_and_end_at_whole_steps(obscli, model):
     text = (
         "states: [x, v]\nstages: {a: {F: [[1, 1], [0, 1]], H: [[1, 0]]}}\ninterval: {start: 0.5}\n"

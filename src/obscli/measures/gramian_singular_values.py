@@ -2,7 +2,8 @@
 
     W(t, t_0) = ∫ Φᵀ Hᵀ H Φ dτ = Rᵀ R,   λ_i = σ_i(R)²
 
-Of a discrete-time system W is the sum over the samples, and v_i are directions at the start.
+Of a discrete-time system W is the sum over the samples, and v_i are directions at the start; of segments of
+one they are directions at the end.
 
 The outputs' energy from a state along v_i is λ_i. n − r of them are zero, known exactly; of the others those
 that the error of R leaves without four digits have no value.

@@ -9,8 +9,10 @@ from obscli.core.document import Block, Heading, Listing, Note, Paragraph, Text,
 from obscli.core.number import counted, short
 from obscli.core.number import plain as number
 from obscli.measures.measure import Found, Measure
+from obscli.model.system import System
 from obscli.numeric.finding import NotComputed
 from obscli.pipelines.measures_result import Limit, MeasuresResult, Taken
+from obscli.pipelines.stage_result import SEGMENTS
 
 
 #: So many states of a ranking are named.
@@ -21,12 +23,14 @@ UNITS: Final = {
     "prior": "in units of the prior",
     "scale": "in units of `scale`",
 }
+OVER: Final = "direction over the interval"
+
 #: What stands in the readings for discrete-time systems: L_j = H F^j are the samples j steps later.
 OF_STEPS: Final = {
     "outputs and derivatives": "outputs and later samples",
     "a derivative of an output": "a later sample of an output",
     "of an output or of a derivative": "of an output or of a later sample",
-    "direction over the interval": "direction at the start of the interval",
+    OVER: "direction at the start of the interval",
 }
 BETTER: Final = {"larger": "larger is better", "smaller": "smaller is better"}
 
@@ -42,19 +46,25 @@ def reading_blocks(results: Sequence[MeasuresResult]) -> Iterator[Block]:
     if not shown:
         return
     yield Heading(1, plain("How to read the measures"))
-    options, discrete = taken[-1].subject.options, taken[-1].subject.system.discrete
-    told = ((one, _of_steps(_reading(one, options)) if discrete else _reading(one, options)) for one in shown)
+    options, words = taken[-1].subject.options, _words(taken[-1].subject.system)
+    told = ((one, _replaced(_reading(one, options), words)) for one in shown)
     yield Listing(tuple((Text(one.symbol, "strong"), Text(text)) for one, text in told))
     scaled = ", ".join(one.symbol for one in shown if one.scaled)
     if scaled:
         yield Paragraph(plain(f"With the units of the states change: {scaled}."))
 
 
-def _of_steps(reading: str) -> str:
-    """Return how a measure is read of a discrete-time system: later samples take the place of derivatives."""
-    for words, instead in OF_STEPS.items():
-        reading = reading.replace(words, instead)
-    return reading
+def _words(system: System) -> Mapping[str, str]:
+    """Return what stands for words of readings in discrete time; of segments W is of the state at the end."""
+    if not system.discrete:
+        return {}
+    return OF_STEPS | ({OVER: "direction at the end of the segments"} if system.stage == SEGMENTS else {})
+
+
+def _replaced(text: str, words: Mapping[str, str]) -> str:
+    for before, after in words.items():
+        text = text.replace(before, after)
+    return text
 
 
 def _reading(measure: Measure, options: Mapping[str, Mapping[str, float | str]]) -> str:
