@@ -93,6 +93,37 @@ def test_noise_that_is_not_white_is_no_motion_either(flight, seed, clear):
     assert excitation(flight(told=(0.005, 2e-4), motion=drifting)).excited == 9
 
 
+STILL = """\
+states: {phi: {components: [N, E, D]}, dv: {components: [N, E, D]}, b_g: {components: [x, y, z]}}
+signals: {file: still.csv, time: t, columns: {f: [f1, f2, f3], roll: r1, pitch: r2, yaw: r3}}
+let: {C: rotz(yaw) @ roty(pitch) @ rotx(roll)}
+dynamics: {phi: -C @ b_g, dv: "cross(C @ f, phi)"}
+measurements: {v: dv}
+noise: {signals: {f: 0.03, roll: 2e-4, pitch: 2e-4, yaw: 4e-4}}
+"""
+
+
+@pytest.mark.parametrize("noisy", [False, True])
+def test_what_is_measured_is_excited_whatever_noise_would_hide(tmp_path, noisy):
+    """Standing still heading is hidden; noise may hide more, but never the velocity that is measured."""
+    t, rng = np.arange(0, 30.01, 0.1), np.random.default_rng(2)
+    still = np.tile([0, 0, -9.81, 0.01, 0.02, 1], (len(t), 1))
+    still += noisy * np.repeat([0.03, 2e-4], 3) * rng.standard_normal((len(t), 6))
+    header = "t,f1,f2,f3,r1,r2,r3"
+    np.savetxt(
+        tmp_path / "still.csv",
+        np.column_stack([t, still]),
+        delimiter=",",
+        header=header,
+        comments="",
+        fmt="%.15g",
+    )
+    (tmp_path / "m.yaml").write_text(STILL)
+    found = excitation(analyze(load(tmp_path / "m.yaml").systems[0], Settings(Wanted(samples=3))))
+    assert "phi_D" in found.not_excited
+    assert not {"dv_N", "dv_E", "dv_D"} & set(found.not_excited)
+
+
 BESIDE = """\
 states: [z, c1, c2, a, b]
 signals: {file: two.csv, time: t, interpolation: linear, columns: {f1: f1, f2: f2}}

@@ -30,7 +30,7 @@ from obscli.model.system import System
 from obscli.numeric.analysis import Numeric, affordable_steps
 from obscli.numeric.errors import NotComputableError
 from obscli.numeric.numeric_system import NumericSystem, constants_of
-from obscli.numeric.program import Array, constant_value
+from obscli.numeric.program import Array, Flags, constant_value
 from obscli.numeric.scaling import scaled, sizes_of
 from obscli.numeric.settings import STEP_ERROR, Effort
 from obscli.numeric.signal_noise import calmed, noisier
@@ -130,17 +130,22 @@ def excitation(numeric: Numeric) -> Excitation | None:
     root = calm.gramian.matrices[0] / calm.gramian.units[0] * D
     kept, lost = _shown_by(root @ inverse @ clear)
     seen = inverse @ clear @ kept
-    hidden, _ = np.linalg.qr(np.hstack([V[numeric.rank :].T, inverse @ others, inverse @ clear @ lost]))
-    if calm.decided[0] and calm.rank[0] == seen.shape[1]:  # its kernel is less turned by noise
+    hidden, _ = np.linalg.qr(np.hstack([V[numeric.rank :].T, inverse @ clear @ lost]))
+    faint = inverse @ others
+    if calm.decided[0] and calm.rank[0] <= numeric.rank - lost.shape[1]:
         rows = np.linalg.svd(root)[2]
-        hidden, seen = rows[calm.rank[0] :].T, _orthonormal(draws[-1][0] * D, rows[: calm.rank[0]].T)
+        hidden = rows[calm.rank[0] :].T  # the same, less turned by noise
+        if calm.rank[0] == seen.shape[1]:  # and the others with it
+            seen, faint = _orthonormal(draws[-1][0] * D, rows[: calm.rank[0]].T), faint[:, :0]
+    touched = _touched(numeric, draws, D, hidden, seen) | _blurred(faint, seen)
+    names = numeric.system.system.state_names
     return Excitation(
         t=float(numeric.horizon.instants[i]),
         ratios=tuple(sorted(ratios, reverse=True)),
         clear=clear.shape[1],
         excited=seen.shape[1],
         calm=int(calm.rank[0]) if calm.decided[0] else None,
-        not_excited=_touched(numeric, draws, D, hidden, seen),
+        not_excited=tuple(name for name, own in zip(names, touched, strict=True) if own),
     )
 
 
@@ -159,6 +164,16 @@ def _shown_by(calm: Array) -> tuple[Array, Array]:
 def _orthonormal(R: Array, X: Array) -> Array:
     """Return a basis of the directions X that R takes to orthonormal ones."""
     return np.asarray(np.linalg.solve(np.linalg.qr(R @ X)[1].T, X.T).T, dtype=float)
+
+
+def _blurred(faint: Array, seen: Array) -> Flags:
+    """Return which states are known far worse without the faint directions, shape (n,).
+
+    Both are orthonormal as the record shows them, R X = 1: by the directions seen alone a state k has the
+    deviation |X_k| in units of noise. As much may be shifted from one to the other by noise.
+    """
+    found: Flags = np.linalg.norm(faint, axis=1) > CLEAR * np.linalg.norm(seen, axis=1)
+    return found
 
 
 def _told_apart(draws: list[tuple[Array, Array]]) -> tuple[Array, Array, list[float]]:
@@ -223,8 +238,8 @@ def _changed(numeric: Numeric, how: Changed) -> NumericSystem:
 
 def _touched(
     numeric: Numeric, draws: list[tuple[Array, Array]], D: Array, hidden: Array, seen: Array
-) -> tuple[str, ...]:
-    """Return the states that hidden directions contain, beyond what noise turns such a direction by.
+) -> Flags:
+    """Return which states hidden directions contain, beyond what noise turns such a direction by, shape (n,).
 
     To first order noise turns a hidden direction d by −X (R X)ᵀ E d, X the directions seen. Directions are
     taken as one for each of some states, 1 there and 0 at the others of these: see ``_pivots``.
@@ -241,8 +256,8 @@ def _touched(
     each = hidden @ np.linalg.inv(hidden[pivots])
     moved = turned(each)
     size = np.sqrt(((moved - each @ moved[:, pivots]) ** 2).mean(axis=0))
-    contained = (np.abs(each) > CLEAR * size + _ROUNDED).any(axis=1)
-    return tuple(name for name, touched in zip(system.state_names, contained, strict=True) if touched)
+    contained: Flags = (np.abs(each) > CLEAR * size + _ROUNDED).any(axis=1)
+    return contained
 
 
 def _pivots(hidden: Array, by: Array, units: Array) -> list[int]:
