@@ -167,7 +167,7 @@ def test_a_parameter_without_a_value_is_named():
     system = read("parameters: {k: {}}\nstates: [a, b]\nA: [[0, k], [0, 0]]\nH: [[1, 0]]\n")
     found = certified_rank(system, itself(system), 2, 0.0, [1.0]).instants[0]
     assert found.rank is None
-    assert found.reason == "k has no value"
+    assert found.reason == "k has no value (--set)"
 
 
 def test_values_at_which_the_rank_is_lower():

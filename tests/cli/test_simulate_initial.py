@@ -129,6 +129,8 @@ def test_files_figures_and_the_report_have_it(obscli, files, monkeypatch):
         (["--feedback", "W"], "the filter has no state 'W'"),
         (["--feedback", "sigma<-1"], "expected one sigma<C"),
         (["--feedback", "sigma>0"], "expected one sigma>C"),
+        (["--initial", "e=1"], "e is a vector: give its components, e_tilt, e_bias"),
+        (["--plot", "channel.yaml"], "channel.yaml is a file; name a directory for the figures"),
         (["--feedback", "sigma >x"], "expected one sigma>C"),
         (["--feedback", "sigma=1"], "no state 'sigma=1'"),
         (["--feedback", "sigma<1,sigma<2"], "expected one sigma<C"),

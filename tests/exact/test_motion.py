@@ -45,6 +45,20 @@ def test_no_superset_of_what_is_needed_is_named():
         assert not smaller
 
 
+def test_vectors_are_tried_early():
+    """Of many functions only some sets are tried; three components of one vector are among them."""
+    many = ", ".join(f"u{k}: {{}}" for k in range(30))
+    text = (
+        f"functions: {{f: 3, {many}}}\nstates: [a, b]\n"
+        "A: [[0, 0], [0, 0]]\nH: [[0, 1], [f1, 0], [f2, 0], [f3, 0], [0, "
+        + " + ".join(f"u{k}" for k in range(30))
+        + "]]\n"
+    )
+    found = needs(text)
+    assert found.cut
+    assert by_target(found) == {("a", "zero", ("f1", "f2", "f3"))}
+
+
 def test_without_functions_there_is_nothing_to_find():
     assert needs("states: [a]\nA: [[0]]\nH: [[1]]\n").reason == "no function of time is left open"
 

@@ -157,6 +157,10 @@ def test_files_without_common_time_are_refused(tmp_path):
         ("0,1,2\n1,nan,2", "row 2 of the samples, column 'a': nan is no value"),
         ("0,1,2\n1,2,inf", "row 2 of the samples, column 'b': inf is no value"),
         ("0,1,2", "1 rows of samples; at least 2"),
+        ("", "0 rows of samples; at least 2"),
+        ("0,1,2\n1,1,2,3", "line 3: there are 4 cells, and 3 names of columns"),
+        ("0,1,5,2\n1,2,5,2", "line 2: there are 4 cells.*decimals after a point"),
+        ('0,"1,5",2\n1,1,2', "line 2, column 'a': '1,5' is no number: write the decimals after a point"),
         ("0,1,2\n1,1,2\n1,1,2\n2,1,1", "rows 2 and 3 .* stands twice"),
         ("0,1,2\n2,1,2\n1,1,2\n3,1,1", "rows 2 and 3 .* 1 follows 2"),
         ("3,1,2\n2,1,2\n1,1,2", "times go backwards"),
@@ -171,6 +175,10 @@ def test_what_is_no_record_is_refused_with_its_place(model, rows, message):
 def test_a_decimal_comma_is_told(model):
     with pytest.raises(NotComputableError, match="decimals after a point"):
         horizon_of(model("0;1,5;2\n1;1;2", header="t;a;b"), Wanted())
+
+
+def test_cells_that_are_empty_need_no_name(model):
+    assert motion(model("0,1,2,\n1,1,2,,\n2,1,2"), 0, 2).values(np.array([1.0]), {})["f"] == pytest.approx(1)
 
 
 def test_a_gap_is_refused_where_it_is(model):

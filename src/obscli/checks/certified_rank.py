@@ -25,7 +25,7 @@ from typing import Final
 
 from flint import arb, arb_mat, fmpq
 
-from obscli.exact.ball import BallPoint, OutsideDomainError, precision
+from obscli.exact.ball import BallPoint, OutsideDomainError, precision, without_value
 from obscli.exact.lift_finding import Lift, Rows
 from obscli.model.expression import Expression
 from obscli.model.specialise import at_nominal
@@ -117,7 +117,7 @@ def _at_instant(system: System, lift: Lift, rank: int, start: Fraction, t: Fract
     except OutsideDomainError:
         return CertifiedInstant(float(t), None, None, "a coefficient is not seen to exist at these values")
     except KeyError as missing:
-        return CertifiedInstant(float(t), None, None, f"{missing.args[0]} has no value")
+        return CertifiedInstant(float(t), None, None, without_value(missing.args[0], [system]))
     if rank and minor is None:
         most = ATTEMPTS[-1][0]
         reason = f"no minor of {rank} sampled rows is seen to differ from zero with up to {most} bits"

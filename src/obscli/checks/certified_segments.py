@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from flint import arb, arb_mat
 
-from obscli.exact.ball import OutsideDomainError, precision
+from obscli.exact.ball import OutsideDomainError, precision, without_value
 from obscli.exact.ball_transition import BallSegment, TooManyBallStepsError, ball_matrix, ball_number
 from obscli.model.specialise import at_nominal
 from obscli.model.system import Matrix
@@ -79,7 +79,7 @@ def certified_segments(
     except OutsideDomainError:
         return _because(best, "a coefficient is not seen to exist at the file's values")
     except KeyError as missing:
-        return _because(best, f"{missing.args[0]} has no value")
+        return _because(best, without_value(missing.args[0], (one.system for one in segments.parts)))
     except TooManyBallStepsError:
         return _because(best, "a segment is too long to be followed in ball arithmetic")
     return _because(best, f"no further row is seen to be independent with up to {attempts[-1]} bits")

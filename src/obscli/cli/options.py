@@ -73,6 +73,12 @@ def _positive(given: float | None) -> float | None:
     return given
 
 
+def _directory(given: Path | None) -> Path | None:
+    if given is not None and given.exists() and not given.is_dir():
+        raise typer.BadParameter(f"{given} is a file; name a directory for the figures")
+    return given
+
+
 def _fraction(given: float) -> float:
     if not 0 < given < 1:
         raise typer.BadParameter(f"{given:g} is no part of a deviation: between 0 and 1")
@@ -307,7 +313,7 @@ MeasureScalingOption: TypeAlias = Annotated[
 ]
 PlotOption: TypeAlias = Annotated[
     Path | None,
-    typer.Option("--plot", metavar="DIR", help="Draw figures into DIR, as SVG and PNG."),
+    typer.Option("--plot", callback=_directory, metavar="DIR", help="Draw figures into DIR, as SVG and PNG."),
 ]
 CrossCheckOption: TypeAlias = Annotated[
     bool,

@@ -29,7 +29,7 @@ from obscli.model.expression import (
 
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from obscli.model.system import System
 
@@ -47,6 +47,16 @@ def precision(bits: int, length: int) -> Iterator[None]:
         yield
     finally:
         flint.ctx.prec, flint.ctx.cap = saved
+
+
+def without_value(name: str, systems: Iterable[System]) -> str:
+    """Return why a name has no value that balls could be made of."""
+    systems = tuple(systems)
+    if any(name in system.sampled for system in systems):
+        return f"{name} is given by samples, and a proof at the file's values needs an expression"
+    if any(name == one.name for system in systems for one in system.functions):
+        return f"{name} is left open, and a proof at the file's values needs an expression"
+    return f"{name} has no value (--set)"
 
 
 class BallPoint:

@@ -1,9 +1,10 @@
 """Which motion a state needs: the functions of time that may not all be zero, or not all be constant.
 
-Tried are sets of up to three functions, each set zero at all times or constant. Where the rank of the system
-is lower then, the states and quantities that are observable for generic functions and not then need one of
-the set to be different from zero, or to vary. A set is reported if no smaller set in it costs the same state.
-Ranks are compared modulo a prime; a lower one is proved by analysing the special system anew.
+Tried are sets of up to three functions, single ones and vectors first, each set zero at all times or
+constant. Where the rank of the system is lower then, the states and quantities that are observable for
+generic functions and not then need one of the set to be different from zero, or to vary. A set is reported
+if no smaller set in it costs the same state. Ranks are compared modulo a prime; a lower one is proved by
+analysing the special system anew.
 """
 
 from __future__ import annotations
@@ -69,11 +70,11 @@ def motion_needs(system: System, progress: Callable[[str], None] = lambda _: Non
     tried = 0
     for kind, some in _trials(names):
         if tried == _MOST_TRIALS:
-            return MotionNeeds(tuple(found), generic.rank, tried, cut=True)
+            return MotionNeeds(_smallest(found), generic.rank, tried, cut=True)
         tried += 1
         progress(f"motion: {', '.join(some)} {kind}")
         found += _lost(proof, seen, some, kind, found)
-    return MotionNeeds(tuple(found), generic.rank, tried)
+    return MotionNeeds(_smallest(found), generic.rank, tried)
 
 
 def _extra(system: System) -> list[Expression]:
@@ -81,12 +82,23 @@ def _extra(system: System) -> list[Expression]:
 
 
 def _trials(names: Sequence[str]) -> Iterator[tuple[Kind, tuple[str, ...]]]:
-    """Yield small sets first."""
+    """Yield single functions, then whole vectors, then all other small sets."""
+    vectors = _vectors(names)
     kinds: tuple[Kind, ...] = ("zero", "constant")
     for size in range(1, LARGEST_SET + 1):
-        for kind in kinds:
-            for some in combinations(names, size):
-                yield kind, some
+        sets = [some for some in combinations(names, size) if some not in vectors]
+        yield from ((kind, some) for kind in kinds for some in sets)
+        if size == 1:
+            yield from ((kind, some) for kind in kinds for some in vectors)
+
+
+def _vectors(names: Sequence[str]) -> list[tuple[str, ...]]:
+    """Return the sets of functions that are named as components of one vector: f1, f2, f3 or f_x, f_y."""
+    found: dict[str, list[str]] = {}
+    for name in names:
+        stem = name.rstrip("0123456789")
+        found.setdefault(stem if stem != name else name.rpartition("_")[0], []).append(name)
+    return [tuple(own) for stem, own in found.items() if stem and 1 < len(own) <= LARGEST_SET]
 
 
 def _lost(
@@ -114,6 +126,20 @@ def _covers(known: Need, target: str, some: tuple[str, ...], kind: Kind) -> bool
     """Whether a smaller set costs the same: constant functions cost less than none."""
     weaker = known.kind in (kind, "constant")
     return known.target == target and weaker and set(known.functions) <= set(some)
+
+
+def _smallest(found: Sequence[Need]) -> tuple[Need, ...]:
+    """Return the needs that no smaller set makes superfluous: vectors are tried before their parts."""
+    return tuple(
+        one
+        for one in found
+        if not any(
+            other is not one
+            and set(other.functions) < set(one.functions)
+            and _covers(other, one.target, one.functions, one.kind)
+            for other in found
+        )
+    )
 
 
 def _observable(analysis: Analysis) -> tuple[str, ...]:

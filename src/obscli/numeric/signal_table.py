@@ -7,7 +7,9 @@ installed.
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,6 +22,9 @@ from obscli.numeric.program import Array
 
 
 FEWEST: Final = 2
+
+#: So many rows are looked at for cells without a name.
+_LOOKED_AT: Final = 100
 
 #: What a file is by its ending.
 _KINDS: Final = {"npz": "a NumPy archive", "mat": "a MATLAB file", "parquet": "a Parquet file"}
@@ -53,40 +58,63 @@ def _csv(path: Path, header: Header, names: Sequence[str]) -> Array:
     if unknown:
         raise NotComputableError(f"{path.name} has no column '{unknown[0]}'")
     places = [header.names.index(name) for name in names]
+    _require_cells(path, header)
     try:
-        found = np.loadtxt(
-            path,
-            delimiter=header.delimiter or None,
-            skiprows=header.lines,
-            usecols=places,
-            ndmin=2,
-            comments="#",
-            encoding="utf-8-sig",
-        )
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # no rows: told by who counts them
+            found = np.loadtxt(
+                path,
+                delimiter=header.delimiter or None,
+                skiprows=header.lines,
+                usecols=places,
+                ndmin=2,
+                comments="#",
+                encoding="utf-8-sig",
+            )
     except (ValueError, IndexError, UnicodeDecodeError) as error:
         reason = _unreadable_line(path, header, names, places) or f"{path.name}: {error}"
         raise NotComputableError(reason) from None
     return np.ascontiguousarray(found.reshape(-1, len(names)).T)
 
 
-def _unreadable_line(path: Path, header: Header, names: Sequence[str], places: Sequence[int]) -> str:
-    """Return what is wrong in the first line that is no row of numbers; empty where nothing is found."""
+def _require_cells(path: Path, header: Header) -> None:
+    """Refuse a table whose first rows have more cells than there are names: which is which is not known."""
+    for number, cells in islice(_rows(path, header), _LOOKED_AT):
+        filled = max((k for k, cell in enumerate(cells, 1) if cell.strip()), default=0)
+        if filled > len(header.names):
+            raise NotComputableError(
+                f"{path.name}, line {number}: there are {filled} cells, and {len(header.names)} names of "
+                "columns: name every column, and write decimals after a point"
+            )
+
+
+def _rows(path: Path, header: Header) -> Iterator[tuple[int, list[str]]]:
+    """Yield the rows below the header that are not empty, with their lines."""
     with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
         for number, line in enumerate(stream, 1):
             text = line.split("#")[0].strip()
-            if number <= header.lines or not text:
-                continue
-            cells = next(csv.reader([text], delimiter=header.delimiter)) if header.delimiter else text.split()
-            for name, place in zip(names, places, strict=True):
-                if place >= len(cells):
-                    return f"{path.name}, line {number}: there are {len(cells)} cells, and none for '{name}'"
-                problem = _no_number(cells[place].strip(), header.delimiter)
-                if problem:
-                    return f"{path.name}, line {number}, column '{name}': {problem}"
+            if number > header.lines and text:
+                yield (
+                    number,
+                    next(csv.reader([text], delimiter=header.delimiter))
+                    if header.delimiter
+                    else text.split(),
+                )
+
+
+def _unreadable_line(path: Path, header: Header, names: Sequence[str], places: Sequence[int]) -> str:
+    """Return what is wrong in the first line that is no row of numbers; empty where nothing is found."""
+    for number, cells in _rows(path, header):
+        for name, place in zip(names, places, strict=True):
+            if place >= len(cells):
+                return f"{path.name}, line {number}: there are {len(cells)} cells, and none for '{name}'"
+            problem = _no_number(cells[place].strip())
+            if problem:
+                return f"{path.name}, line {number}, column '{name}': {problem}"
     return ""
 
 
-def _no_number(cell: str, delimiter: str) -> str:
+def _no_number(cell: str) -> str:
     try:
         float(cell)
     except ValueError:
@@ -95,7 +123,7 @@ def _no_number(cell: str, delimiter: str) -> str:
         return ""
     if not cell:
         return "the cell is empty: leave out the line, or give the column a file of its own"
-    if delimiter != "," and cell.count(",") == 1:
+    if cell.count(",") == 1:
         return f"'{cell[:30]}' is no number: write the decimals after a point"
     return f"'{cell[:30]}' is no number"
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from obscli.core.number import json_number
-from obscli.exact.ball import OutsideDomainError
+from obscli.exact.ball import OutsideDomainError, without_value
 from obscli.exact.ball_transition import TooManyBallStepsError
 from obscli.experiment.segment_orders import Order, Orders, segment_orders
 from obscli.model.system import Model
@@ -49,7 +49,8 @@ def segment_plan(model: Model, progress: Progress) -> SegmentPlan:
     except OutsideDomainError:
         raise RequestError(f"{model.file}: a coefficient is not seen to exist at the file's values") from None
     except KeyError as missing:
-        raise RequestError(f"{model.file}: {missing.args[0]} has no value (--set)") from None
+        reason = without_value(missing.args[0], (one.system for one in segments.parts))
+        raise RequestError(f"{model.file}: {reason}") from None
     except TooManyBallStepsError:
         raise RequestError(f"{model.file}: a segment is too long to be followed in ball arithmetic") from None
     return SegmentPlan(model, segments.parts[0].system.n, found)

@@ -44,6 +44,9 @@ def initial_of(system: System, given: Sequence[tuple[str, str]], start: float, s
         return None
     states = list(system.state_names)
     for name, _ in given:
+        parts = [one.name for one in system.states if one.vector == name]
+        if parts:
+            raise RequestError(f"--initial: {name} is a vector: give its components, {', '.join(parts)}")
         if name not in states:
             raise RequestError(unknown("--initial: no state", name, states))
     covector = {name: parse_scalar(system, text, f"--initial {name}") for name, text in given}

@@ -26,6 +26,7 @@ from obscli.exact.finding import Analysis, Undecided
 from obscli.numeric.finding import NotComputed
 from obscli.pipelines.describe.combinations import direction_blocks
 from obscli.pipelines.describe.formulas import combination, direction
+from obscli.pipelines.describe.signals import taken_as_exact
 from obscli.pipelines.describe.states import quantity_blocks, state_blocks
 from obscli.pipelines.segments_result import SegmentEnd, SegmentsResult
 
@@ -60,6 +61,7 @@ def segments_blocks(result: SegmentsResult | None) -> Iterator[Block]:
     yield Table(
         COLUMNS, tuple(_row(k, one) for k, one in enumerate(result.ends, 1)), (Text(LEGEND, "faint"),)
     )
+    yield from taken_as_exact([one.system for one in result.segments.parts])
     found = result.proved
     if result.rank == result.n:
         yield Paragraph(plain("Every state is observable, and so is every combination."))

@@ -35,5 +35,6 @@ def default_note(is_default: bool) -> Iterator[Block]:  # noqa: FBT001 - the one
 def interval_note(runs: Sequence[str]) -> Iterator[Block]:
     """Yield the remark that the intervals of some runs are not the file's."""
     if runs:
-        text = "the file gives no `interval` (20 over the fastest rate is taken) for "
+        default = "what the files of signals cover is taken, else 20 over the fastest rate"
+        text = f"the file gives no `interval` ({default}) for "
         yield Note("warning", plain(f"{text}{', '.join(runs)}: durations and deviations rest on that"))

@@ -72,8 +72,13 @@ def _excited(found: NumericFinding, signals: SignalsFinding) -> Iterator[Text]:
         yield Text(f"; the calmest signals that the noise explains show {signals.calm}")
 
 
-def taken_as_exact(systems: Sequence[System]) -> Iterator[Block]:
-    """Yield that what follows takes recorded signals of systems for what they say, where there are any."""
+def taken_as_exact(systems: Sequence[System], *, asks: bool = True) -> Iterator[Block]:
+    """Yield that what follows takes recorded signals of systems for what they say, where there are any.
+
+    Parameters
+    ----------
+    asks : whether doubts about their units follow
+    """
     recorded = tuple(dict.fromkeys(name for system in systems for name in system.sampled))
     if recorded:
         from obscli.numeric.signal_units import doubts  # noqa: PLC0415 - needs numpy, of recorded signals only
@@ -83,7 +88,7 @@ def taken_as_exact(systems: Sequence[System]) -> Iterator[Block]:
             "told by `obscli analyze` with their deviations under `noise`"
         )
         yield Note("note", plain(text))
-        for doubt in dict.fromkeys(text for system in systems for text in doubts(system)):
+        for doubt in dict.fromkeys(text for system in systems if asks for text in doubts(system)):
             yield Note("warning", plain(doubt))
 
 

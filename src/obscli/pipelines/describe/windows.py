@@ -29,6 +29,7 @@ from obscli.numeric.finding import NotComputed
 from obscli.numeric.piecewise_constant import PiecewiseConstant
 from obscli.numeric.program import Array
 from obscli.pipelines.describe.measures import FLAG
+from obscli.pipelines.describe.signals import taken_as_exact
 from obscli.pipelines.windows_result import Gain, Windows, WindowsResult
 
 
@@ -69,6 +70,7 @@ def _stage(result: WindowsResult) -> Iterator[Block]:
         yield Paragraph(plain(_setting(result, found)))
         for one in found.warnings:
             yield Note("warning", plain(one))
+        yield from taken_as_exact([result.system], asks=False)
         yield from _rank(result, found)
         yield from _states(found)
         yield from _gains(result, found)
@@ -225,10 +227,11 @@ def _needs(needs: MotionNeeds, names: Sequence[str], shown: Sequence[str]) -> It
         if one.target in shown:
             by_target.setdefault(one.target, []).append(f"{_either(one.functions)} {how}")
     if not by_target:
-        yield Paragraph(plain("No set of up to three functions is needed by any of them: others do."))
+        which = "No set that was tried" if needs.cut else "No set of up to three functions"
+        yield Paragraph(plain(f"{which} is needed by any of them: where it is zero or constant others do."))
     for target, texts in by_target.items():
         yield Paragraph((Text(target, "name"), Text(f" needs {'; '.join(texts)}")))
-    cut = "; more were not tried" if needs.cut else ""
+    cut = "; larger or other ones were not tried" if needs.cut else ""
     yield Paragraph(plain(f"Proved; {counted(needs.tried, 'set')} of functions tried{cut}."))
 
 
