@@ -129,10 +129,10 @@ def _covers(known: Need, target: str, some: tuple[str, ...], kind: Kind) -> bool
 
 
 def _smallest(found: Sequence[Need]) -> tuple[Need, ...]:
-    """Return the needs that no smaller set makes superfluous: vectors are tried before their parts."""
+    """Return the needs that no smaller set makes superfluous, small sets first: vectors are tried before."""
     return tuple(
         one
-        for one in found
+        for one in sorted(found, key=lambda one: (len(one.functions), one.kind == "constant"))
         if not any(
             other is not one
             and set(other.functions) < set(one.functions)
