@@ -138,3 +138,24 @@ def test_the_dual_and_the_frozen_system(obscli, flight):
 
 def test_why(obscli, flight):
     assert obscli("why", flight(NOISE), "phi").status == 0
+
+
+def test_the_combinations_of_the_gramian_say_that_noise_is_among_them(obscli, flight):
+    words = "what noise of the signals alone would show is among them"
+    for noise, told in ((NOISE, True), ("", False)):
+        outcome = obscli("analyze", flight(noise), "--samples", 5, "--only", "numeric")
+        assert (words in " ".join(outcome.out.split())) is told
+
+
+def test_segments_and_windows_say_that_signals_are_taken_as_exact(obscli, flight):
+    more = (
+        NOISE + "stages: {a: {}}\nsegments: [{stage: a, duration: 20}, {stage: a, name: b, duration: 20}]\n"
+    )
+    file = flight(more)
+    out = " ".join(obscli("analyze", file, "--segments").out.split())
+    assert "signals taken as exact: f, yaw" in out
+    assert "is given by samples, and a proof at the file's values needs an expression" in out
+    assert "signals taken as exact: f, yaw" in obscli("measures", file, "--window", 5, "--step", 5).out
+    planned = obscli("plan", file, "--segments")
+    assert planned.status == 2
+    assert "is given by samples" in " ".join(planned.err.split())

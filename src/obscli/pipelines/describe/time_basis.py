@@ -13,6 +13,7 @@ from obscli.core.document import (
     Heading,
     Inline,
     Math,
+    Note,
     Paragraph,
     Role,
     Table,
@@ -22,7 +23,7 @@ from obscli.core.document import (
 )
 from obscli.core.number import short
 from obscli.model.notation import decimal_text, to_latex, to_text
-from obscli.numeric.finding import CoefficientCurve, EchelonFinding
+from obscli.numeric.finding import CoefficientCurve, EchelonFinding, NumericFinding
 from obscli.pipelines.latex_names import latex_names
 from obscli.pipelines.stage_result import StageResult
 
@@ -61,6 +62,9 @@ def time_basis_blocks(result: StageResult) -> Iterator[Block]:
 
 def _blocks(found: EchelonFinding, result: StageResult) -> Iterator[Block]:
     yield Heading(2, plain("Combinations as the Gramian shows them"))
+    numeric = result.numeric
+    if isinstance(numeric, NumericFinding) and numeric.signals is not None and numeric.signals.is_noise:
+        yield Note("note", plain("what noise of the signals alone would show is among them: see Signals"))
     coupled = {one.pivot for one in found.curves}
     alone = [pivot for pivot in found.pivots if pivot not in coupled]
     if found.curves:
