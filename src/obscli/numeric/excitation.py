@@ -8,8 +8,9 @@ of both systems are compared at the same instants, by the Gramian of the pair [x
 
 Where s̄ shows nothing of v, R v is the work of e, as E v is that of ẽ, and both are alike in size. A direction
 counts as excited where |R v| > κ |E v|. On the row space of R = U S Vᵀ, v = V S⁻¹ w, the directions are the
-singular vectors of N = E V S⁻¹, and those are excited whose singular value is below 1/κ. The others, with the
-kernel, are hidden; a state is not excited where a hidden direction contains it, beyond what noise may do.
+singular vectors of N = E V S⁻¹, and those are excited whose singular value is below 1/κ. The others are
+faint, and the kernel is hidden. A state is not excited where a hidden direction contains it, beyond what
+noise may do, or where it is known κ times worse without the faint ones.
 What of E v looks like a change along excited directions is left out, since v was chosen free of that in R:
 E v is projected, and the rest tried again until no direction is added.
 
