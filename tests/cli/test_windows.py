@@ -211,7 +211,7 @@ def test_one_stage_is_not_compared(windows, tmp_path):
         (["--mu", "abs"], "--mu is about windows"),
         (["--advice"], "--advice is about windows"),
         (["--show", "a"], "--show is about windows"),
-        (["--window", "1", "--show", "a,z"], "--show z: no state, vector or quantity of that name"),
+        (["--window", "1", "--show", "a,z"], "--show: no state, vector or quantity 'z'; there are:"),
         (["--window", "1", "--scaling", "scale"], "missing for a, b, c"),
     ],
 )

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyarrow.parquet import write_table
 
+from obscli.core.place import ModelError
 from obscli.model.reader import load
 from obscli.numeric.analysis import analyze
 from obscli.numeric.errors import NotComputableError
@@ -152,7 +153,7 @@ def test_files_without_common_time_are_refused(tmp_path):
     ("rows", "message"),
     [
         ("0,1,2\n1,,2", "line 3, column 'a': the cell is empty"),
-        ("0,1,2\n1,x,2", "line 3, column 'a': 'x' is no number"),
+        ("0,1,2\n1,n/a,2", "line 3, column 'a': 'n/a' is no number: leave out the line"),
         ("0,1,2\n1,5", "line 3: there are 2 cells, and none for 'b'"),
         ("0,1,2\n1,nan,2", "row 2 of the samples, column 'a': nan is no value"),
         ("0,1,2\n1,2,inf", "row 2 of the samples, column 'b': inf is no value"),
@@ -340,6 +341,15 @@ def test_damaged_archives_are_refused(tmp_path):
         except NotComputableError as error:
             outcomes.add(str(error).split(":")[0])
     assert "a.npz cannot be read as a NumPy archive" in outcomes
+
+
+def test_text_that_is_not_in_utf_8_is_refused(tmp_path):
+    (tmp_path / "s.csv").write_text("t,a\n0,1\n1,2\n", encoding="utf-16")
+    (tmp_path / "m.yaml").write_text(
+        "states: [x]\nsignals: {file: s.csv, time: t, columns: {f: a}}\nA: [[f]]\nH: [[1]]\n"
+    )
+    with pytest.raises(ModelError, match=r"s\.csv: the file is no text in UTF-8"):
+        load(tmp_path / "m.yaml")
 
 
 def test_an_array_without_a_name_is_no_archive(tmp_path):

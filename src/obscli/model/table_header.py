@@ -95,6 +95,8 @@ def header_of(path: Path) -> Header:
         raise TableError("there is no such file", "paths are relative to the model file") from None
     except (OSError, ValueError) as error:
         raise TableError(f"the file cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if b"\0" in start:
+        raise TableError("the file is no text in UTF-8", "save it as CSV in UTF-8")
     lines = start.decode("utf-8-sig", "replace").splitlines()
     above = next((k for k, line in enumerate(lines) if line.strip(" \t#%,;")), None)
     if above is None:

@@ -125,7 +125,7 @@ def _no_number(cell: str) -> str:
         return "the cell is empty: leave out the line, or give the column a file of its own"
     if cell.count(",") == 1:
         return f"'{cell[:30]}' is no number: write the decimals after a point"
-    return f"'{cell[:30]}' is no number"
+    return f"'{cell[:30]}' is no number: leave out the line, or give the column a file of its own"
 
 
 def _npz(path: Path, names: Sequence[str]) -> Mapping[str, Any]:

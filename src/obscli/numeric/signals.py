@@ -24,7 +24,6 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from obscli.core.number import short
 from obscli.model.signal_file import Interpolation, SignalFile
 from obscli.model.system import System
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
@@ -302,7 +301,7 @@ def _require_no_gap(file: SignalFile, found: Samples, start: float, stop: float)
     more = f", and {gaps.size - 1} more gaps" if gaps.size > 1 else ""
     raise NotComputableError(
         f"{found.file} has no samples from {found.t[k]:.6g} to {found.t[k + 1]:.6g}, "
-        f"{short(float(steps[k] / median))} times the median step{more}: choose an interval without it "
+        f"{steps[k] / median:.3g} times the median step{more}: choose an interval without it "
         f"(--from, --to), or `max_gap: {steps[gaps].max() * 1.001:.3g}` to interpolate across it"
     )
 

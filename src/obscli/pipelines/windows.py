@@ -28,6 +28,7 @@ from obscli.numeric.window_scaling import WindowScaling, window_scaling
 from obscli.numeric.windows import MOST_WINDOWS
 from obscli.pipelines.numerical import settings_of
 from obscli.pipelines.reading import chosen_systems
+from obscli.pipelines.reading import unknown as no_such
 from obscli.pipelines.request import Changes, Progress, RequestError, WindowsRequest, silent
 from obscli.pipelines.windows_gains import gains_of
 from obscli.pipelines.windows_report import WindowsReport
@@ -105,9 +106,10 @@ def _found(system: System, request: WindowsRequest, progress: Progress) -> Windo
 def _shown(system: System, names: tuple[str, ...], asked: tuple[str, ...]) -> tuple[int, ...]:
     """Return the places of the states and quantities asked for; a vector stands for its components."""
     vectors = {state.vector for state in system.states if state.vector}
-    unknown = [name for name in asked if name not in {*names, *vectors}]
-    if unknown:
-        raise UnfitRequestError(f"--show {unknown[0]}: no state, vector or quantity of that name")
+    missing = [name for name in asked if name not in {*names, *vectors}]
+    if missing:
+        known = [*names, *sorted(vectors)]
+        raise RequestError(no_such("--show: no state, vector or quantity", missing[0], known))
     if not asked:
         return tuple(range(len(names)))
     chosen = [state.vector in asked or state.name in asked for state in system.states]
