@@ -397,7 +397,7 @@ segments: [{duration: 1}, {duration: 2}]
     found = result(text)
     assert found.rank is None
     assert (found.least, found.most, found.seen) == (0, 2, 2)
-    assert "f has no value" in found.certified.reason
+    assert "f is left open, and a proof at the file's values needs an expression" in found.certified.reason
 
 
 def test_a_jump_that_loses_a_state_is_refused_by_name():

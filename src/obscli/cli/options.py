@@ -74,8 +74,9 @@ def _positive(given: float | None) -> float | None:
 
 
 def _directory(given: Path | None) -> Path | None:
-    if given is not None and given.exists() and not given.is_dir():
-        raise typer.BadParameter(f"{given} is a file; name a directory for the figures")
+    for one in () if given is None else (given, *given.parents):
+        if one.is_file():
+            raise typer.BadParameter(f"{one} is a file; name a directory for the figures")
     return given
 
 
