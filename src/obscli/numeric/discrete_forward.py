@@ -13,13 +13,12 @@ from typing import Final
 
 import numpy as np
 
+from obscli.numeric.discrete_gramian import MOST_STEPS
 from obscli.numeric.errors import NotComputableError, TooManyStepsError
 from obscli.numeric.numeric_system import NumericSystem
 from obscli.numeric.panels import Panels
 from obscli.numeric.program import EPS, Array
 
-
-_MOST_STEPS: Final = 200_000
 
 #: Numbers (of 8 bytes) worked on at a time.
 _CHUNK: Final = 2_000_000
@@ -37,8 +36,8 @@ def forward_steps(system: NumericSystem, start: float, stop: float, *, first: bo
     NotComputableError
         where a coefficient does not exist at some step, F cannot be undone, or the steps are too many
     """
-    if stop - start > _MOST_STEPS:
-        raise TooManyStepsError(f"more than {_MOST_STEPS} steps: choose shorter segments")
+    if stop - start > MOST_STEPS:
+        raise TooManyStepsError(f"more than {MOST_STEPS} steps: choose shorter segments")
     n = system.n
     at_once = max(_CHUNK // (n * (n + system.m)), 1)
     every = np.arange(start + 1, stop + 1)
@@ -63,10 +62,7 @@ def _undone(F: Array, error: Array, k: Array) -> tuple[Array, Array]:
     """Return F⁻¹ and its error: |F⁻¹| (|ΔF| + n ε |F|) |F⁻¹|."""
     n = F.shape[-1]
     size = np.linalg.norm(F, axis=1, keepdims=True)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        condition = np.where(
-            (size > 0).all(axis=(1, 2)), np.linalg.cond(F / np.maximum(size, 1e-300)), np.inf
-        )
+    condition = np.linalg.cond(F / np.where(size > 0, size, 1.0))  # infinite where a column is zero
     singular = np.flatnonzero(~(condition < 1 / (n * EPS)))
     if singular.size:
         raise NotComputableError(

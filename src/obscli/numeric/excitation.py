@@ -30,6 +30,7 @@ import numpy as np
 from obscli.model.system import System
 from obscli.numeric.analysis import Numeric, affordable_steps
 from obscli.numeric.errors import NotComputableError
+from obscli.numeric.gramian import Gramian
 from obscli.numeric.numeric_system import NumericSystem, constants_of
 from obscli.numeric.program import Array, Flags, constant_value
 from obscli.numeric.scaling import scaled, sizes_of
@@ -207,18 +208,15 @@ def _told_apart(draws: list[tuple[Array, Array]]) -> tuple[Array, Array, list[fl
 def _draws(numeric: Numeric, i: int, deviations: Mapping[str, float]) -> list[tuple[Array, Array]]:
     """Return R and E, shape (2n, n) both, of some draws of the noise, over the window of an instant."""
     one, n = numeric.system, numeric.system.n
-    start, t = float(numeric.spaces.gramian.starts[i]), numeric.horizon.instants[i : i + 1]
-    count = len(one.knots(start, float(t[0])))
+    count = len(one.knots(float(numeric.spaces.gramian.starts[i]), float(numeric.horizon.instants[i])))
     if count > _MOST_SAMPLES:
         raise NotComputableError(
             f"{count} instants with samples, {_MOST_SAMPLES} at the most for this test: choose a shorter "
             "interval (--from, --to)"
         )
-    effort = Effort(STEP_ERROR["square-root"], affordable_steps(one))
     found = []
     for draw in range(_DRAWS):
-        other = _changed(numeric, noisier(deviations, draw))
-        pair = square_root_gramian(Pair(one, other), start, t, numeric.rates, effort)
+        pair = _gramian(numeric, i, Pair(one, _changed(numeric, noisier(deviations, draw))))
         root = pair.matrices[0] / pair.units[0]
         found.append((root[:, :n], root[:, :n] - root[:, n:]))
     return found
@@ -226,11 +224,15 @@ def _draws(numeric: Numeric, i: int, deviations: Mapping[str, float]) -> list[tu
 
 def _calm(numeric: Numeric, i: int, deviations: Mapping[str, float]) -> Subspaces:
     """Return what the calmest record shows over the window of an instant."""
+    gramian = _gramian(numeric, i, _changed(numeric, calmed(deviations)))
+    return subspaces(scaled(gramian, numeric.system.system, numeric.scaling))
+
+
+def _gramian(numeric: Numeric, i: int, system: NumericSystem) -> Gramian:
+    """Return the Gramian of a system with other samples over the window of an instant."""
     start, t = float(numeric.spaces.gramian.starts[i]), numeric.horizon.instants[i : i + 1]
-    other = _changed(numeric, calmed(deviations))
-    effort = Effort(STEP_ERROR["square-root"], affordable_steps(other))
-    gramian = square_root_gramian(other, start, t, numeric.rates, effort)
-    return subspaces(scaled(gramian, other.system, numeric.scaling))
+    effort = Effort(STEP_ERROR["square-root"], affordable_steps(numeric.system))
+    return square_root_gramian(system, start, t, numeric.rates, effort)
 
 
 def _changed(numeric: Numeric, how: Changed) -> NumericSystem:
