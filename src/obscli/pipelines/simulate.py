@@ -5,11 +5,13 @@ Importing this costs the floating-point libraries.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import cache
 
 from obscli.model.system import Model, System
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
+from obscli.numeric.feedback import Feedback
 from obscli.numeric.finding import NotComputed
 from obscli.numeric.horizon import Horizon, horizon_of
 from obscli.numeric.kalman import covariance_history
@@ -22,12 +24,12 @@ from obscli.numeric.time_to_observability import times_to_observability
 from obscli.pipelines.numerical import settings_of
 from obscli.pipelines.reading import chosen_systems, unknown
 from obscli.pipelines.request import Changes, Progress, RequestError, SimulateRequest, silent
-from obscli.pipelines.simulate_errors import ErrorSteps, carried_out
+from obscli.pipelines.simulate_errors import ErrorSteps, Step, carried_out
 from obscli.pipelines.simulate_followed import demands_of, followed_forms, linear_forms, sampling_of
 from obscli.pipelines.simulate_mean import feedback_of, initial_of
 from obscli.pipelines.simulate_needs import refuse_lacking
 from obscli.pipelines.simulate_report import SimulateReport
-from obscli.pipelines.simulate_result import Demand, Mismatch, SimulateResult, Simulation
+from obscli.pipelines.simulate_result import Demand, FollowedForm, Mismatch, SimulateResult, Simulation
 from obscli.pipelines.simulate_segments import simulate_segments
 
 
@@ -146,12 +148,11 @@ class _Stage:
             horizon = self._horizon(system)
             inserted = initial_of(system, request.initial, horizon.start, horizon.stop)
             found = replace(self._filtered(), feedback=feedback)
-            asked = ErrorSteps(
-                system, request, inserted, lambda one: self._errors(one, other), self._progress
-            )
-            steps = (
-                [] if design is None or other is None else [lambda one: self._mismatched(one, design, other)]
-            )
+            errors = cache(lambda: self._errors(found.forms, feedback, other))
+            asked = ErrorSteps(system, request, inserted, errors, self._progress)
+            steps: list[Step] = []
+            if design is not None and other is not None:
+                steps = [lambda one: self._mismatched(one, design, other, errors)]
             found, interrupted = carried_out(found, [*steps, *asked.steps()])
         except UnfitRequestError as error:
             raise RequestError(f"{self._model.file}: {error}") from error
@@ -196,11 +197,13 @@ class _Stage:
             recorded=system.sampled,
         )
 
-    def _mismatched(self, found: Simulation, design: Model, other: System) -> Simulation:
+    def _mismatched(
+        self, found: Simulation, design: Model, other: System, errors: Callable[[], RecordedErrors]
+    ) -> Simulation:
         """Return the simulation with the true covariance of a filter designed on another system."""
         refuse_lacking(other, f"{design.file}: ")
         self._progress("the filter on the truth")
-        history = mismatch_history(self._errors(found, other), self._progress)
+        history = mismatch_history(errors(), self._progress)
         if not len(history.t):
             raise KeyboardInterrupt
         end = dict(zip(history.names, history.true[-1], strict=True))
@@ -209,15 +212,17 @@ class _Stage:
         )
         return replace(found, mismatch=Mismatch(design, other, history, demands))
 
-    def _errors(self, found: Simulation, other: System | None) -> RecordedErrors:
+    def _errors(
+        self, forms: Sequence[FollowedForm], feedback: Feedback | None, other: System | None
+    ) -> RecordedErrors:
         """Return the errors of the filter, of its own model or on the truth, to be recorded."""
         horizon = self._horizon(self._system)
         return recorded_errors(
             self._system,
             self._schedule(self._system, horizon),
-            linear_forms(self._system, found.forms) if other is None else forms_of(other),
+            linear_forms(self._system, forms) if other is None else forms_of(other),
             self._request.recorded,
             filter_=other,
             filter_schedule=None if other is None else self._schedule(other, horizon),
-            feedback=found.feedback,
+            feedback=feedback,
         )

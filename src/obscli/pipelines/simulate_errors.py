@@ -53,7 +53,7 @@ class ErrorSteps:
     system : the truth at the start
     request : what is asked for
     error : the initial error, shape (n,), not a number where none is given; None: nowhere
-    errors : makes the errors of the filter of a simulation, to be recorded
+    errors : makes the errors of the filter, to be recorded
     progress : told what is being done
     """
 
@@ -62,7 +62,7 @@ class ErrorSteps:
         system: System,
         request: SimulateRequest,
         error: Array | None,
-        errors: Callable[[Simulation], RecordedErrors],
+        errors: Callable[[], RecordedErrors],
         progress: Progress,
     ) -> None:
         self._system = system
@@ -81,7 +81,7 @@ class ErrorSteps:
     def _responded(self, found: Simulation) -> Simulation:
         assert self._error is not None
         self._progress("the mean response")
-        response = mean_response(self._errors(found), self._error, self._progress)
+        response = mean_response(self._errors(), self._error, self._progress)
         if not len(response.t):
             raise KeyboardInterrupt
         given = dict(zip(self._system.state_names, self._error.tolist(), strict=True))
@@ -90,7 +90,7 @@ class ErrorSteps:
 
     def _spread(self, found: Simulation) -> Simulation:
         request = self._request
-        runs = monte_carlo(self._errors(found), request.runs, request.seed, self._progress, self._error)
+        runs = monte_carlo(self._errors(), request.runs, request.seed, self._progress, self._error)
         if not len(runs.t):
             raise KeyboardInterrupt
         return replace(found, monte_carlo=runs)

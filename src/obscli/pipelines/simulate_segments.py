@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 from obscli.exact.finding import Analysis, Undecided
 from obscli.model.system import Model, System
 from obscli.numeric.errors import NotComputableError, UnfitRequestError
 from obscli.numeric.finding import NotComputed
-from obscli.numeric.recorded_errors import RecordedErrors
 from obscli.numeric.schedule import Schedule
 from obscli.numeric.segment_errors import segment_errors
 from obscli.numeric.segment_filter import assumed_step_of, schedules_of, segment_history
@@ -47,10 +47,8 @@ def simulate_segments(model: Model, request: SimulateRequest, progress: Progress
         inserted = initial_of(system, request.initial, pieces[0].start, pieces[0].stop)
         schedules = schedules_of(pieces, request.step)
         found = _filtered(bounds, system, pieces, schedules, request, progress)
-
-        def errors(found: Simulation) -> RecordedErrors:
-            return segment_errors(pieces, schedules, linear_forms(system, found.forms), request.recorded)
-
+        forms = linear_forms(system, found.forms)
+        errors = cache(lambda: segment_errors(pieces, schedules, forms, request.recorded))
         asked = ErrorSteps(system, request, inserted, errors, progress)
         found, interrupted = carried_out(replace(found, feedback=feedback), asked.steps())
     except UnfitRequestError as error:
